@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "abbe/chain/plan.h"
+#include "abbe/chain/predict.h"
+
+namespace abbe {
+
+/// Axes as a bit set: bit i = moving axis i.
+using AxisSet = std::uint32_t;
+
+enum class Method { newton, one_step };
+
+/// docs/machine-file.md, section Correction. partial: an axis is missing or locked for part of the
+/// position; degraded: an axis was held near a singularity or limit; failed: corrected = commanded.
+enum class Status { ok, partial, degraded, failed };
+[[nodiscard]] std::string_view to_string(Status status);
+
+struct CorrectOptions {
+  Method method = Method::newton;
+  AxisSet locked = 0;                        ///< in addition to axes that are not correctable
+  double max_rotary_correction = 0.5 * deg;  ///< beyond it the axis is held at its command
+  Vec3 target_shift = Vec3::Zero();          ///< workpiece axes, mm: the tip shall reach nominal + shift (datum)
+  double position_tolerance = 1e-9;          ///< mm, of the last step
+  double rotation_tolerance = 1e-12;         ///< rad
+  int max_iterations = 20;
+};
+
+struct Correction {
+  std::array<double, kMaxAxes> corrected{};  ///< commands that bring the tool where it was meant to be
+  double residual_position = 0;              ///< mm, distance of the tip from its target
+  double residual_direction = 0;             ///< rad, angle between actual and target tool axes
+  Status status = Status::failed;
+  int iterations = 0;
+  bool outside = false;                      ///< an error was held beyond its measured ends
+  AxisSet held = 0;                          ///< axes held at their command
+};
+
+/// Which axes `correct` may move, after the rule for redundant ones (more than three linear or two
+/// rotary correctable axes: names with a digit, then U V W, are locked). nullopt: still ambiguous, the
+/// caller must lock some.
+[[nodiscard]] std::optional<AxisSet> free_axes(const Machine& machine, AxisSet locked);
+
+/// Corrects one command: rotary axes restore the tool direction, linear axes the position.
+/// start     a first guess of the corrected commands (the previous one of a path), or null
+/// errors    status failed for non-finite input or when the iteration does not converge; never NaN
+/// laws      ActualOfCorrectedIsNominal, ZeroErrorsChangeNothing, WarmStartGivesTheSameAnswer
+/// cost      no allocation; one model evaluation per iteration
+/// source    docs/theory/correction.md
+[[nodiscard]] Correction correct(const Plan& plan, const Query& query, AxisSet free, const CorrectOptions& options,
+                                 const std::array<double, kMaxAxes>* start = nullptr);
+
+}  // namespace abbe

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+#include "abbe/chain/plan.h"
+#include "abbe/core/diagnostic.h"
+#include "abbe/core/file.h"
+#include "abbe/core/progress.h"
+#include "abbe/machine/control_setup.h"
+
+namespace abbe {
+
+struct RewriteJob {
+  std::string path;  ///< program to read
+  std::string name;  ///< what diagnostics call it
+  ControlSetup setup;
+  bool probed_datum = true;
+  bool reversal = false;
+  double tolerance = 1 * um;         ///< mm; half of it is spent on interpolation
+  double max_correction = 500 * um;  ///< mm
+  double max_gradient = 1e-3;        ///< mm per mm
+};
+
+struct RewriteReport {
+  bool complete = false;  ///< false: refused or stopped, the output is worthless
+  bool stopped = false;
+  Diagnostics diagnostics;
+  FileIdentity identity;
+  std::uint64_t lines_in = 0, bytes_in = 0, lines_out = 0;
+  std::string sha256_in;
+  struct Blocks {
+    std::uint64_t motion = 0, rewritten = 0, split = 0, passed = 0;
+  } blocks;
+  std::uint64_t arcs_in = 0, arcs_out = 0;
+  std::array<double, 3> max_correction{};        ///< per X Y Z, mm
+  std::array<std::uint64_t, 3> max_line{};
+  double max_gradient = 0;                       ///< mm per mm
+  double cycle_residual = 0;                     ///< mm, inside canned cycles (rigid shift)
+  double shortest_split = 0;                     ///< mm, 0 = nothing split
+  bool out_of_volume = false;                    ///< some refusal is E-VOL or E-TRAVEL (exit code 5)
+};
+
+/// Rewrites a program so that the machine's errors cancel: edits the digits of coordinate words, adds
+/// words or blocks only where needed, copies every other byte. Lines go to `out` in order.
+/// cost    constant memory whatever the length
+/// source  docs/theory/compensation.md
+[[nodiscard]] RewriteReport rewrite_program(const Plan& plan, const RewriteJob& job, SpoolFile& out,
+                                            const Progress& progress = {});
+
+}  // namespace abbe

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "abbe/core/diagnostic.h"
+#include "abbe/machine/machine.h"
+
+namespace abbe {
+
+/// One row of a LinuxCNC tool table, machine units already mm.
+struct ToolEntry {
+  int number = 0;
+  int pocket = 0;
+  std::array<double, 3> offset{};       ///< X Y Z, mm, what the control applies with H
+  std::optional<double> gauge;          ///< `gauge=` in the comment, mm
+  double diameter = 0;
+  std::string comment;
+};
+
+/// A work coordinate system: origin in machine coordinates (mm) and rotation about Z (rad).
+struct WorkOffset {
+  std::array<double, 3> origin{};
+  double rotation = 0;
+};
+
+/// What the control knows besides the program: given by the user, needed to know where the
+/// machine's axes really stand. Positions are X Y Z in mm.
+struct ControlSetup {
+  std::array<std::optional<WorkOffset>, 9> work_offsets;  ///< G54 G55 G56 G57 G58 G59 G59.1 G59.2 G59.3
+  std::map<int, ToolEntry> tools;                         ///< by tool number
+  std::map<int, double> gauges;                           ///< --gauge: tool number -> gauge length, mm
+  std::optional<int> loaded_tool;                         ///< in the spindle at the start; none = the machine file's tool
+  std::array<std::optional<double>, 3> start;             ///< machine position before the program, if known
+  enum class BlockDelete { unknown, on, off };            ///< on: blocks with '/' are skipped
+  BlockDelete block_delete = BlockDelete::unknown;
+};
+
+/// "G54" .. "G59", "G59.1" .. "G59.3" -> 0..8; nullopt otherwise.
+[[nodiscard]] std::optional<int> work_offset_index(std::string_view name);
+
+/// Reads a LinuxCNC tool table ("T1 P1 Z100.5 D10 ; mill gauge=112.4"). Lengths are in mm.
+[[nodiscard]] Parsed<std::map<int, ToolEntry>> read_tool_table(const std::string& file, const std::string& text);
+
+/// Reads a LinuxCNC parameter file (var): G54..G59.3 origins and rotations (5221..5390), lengths in mm.
+[[nodiscard]] Parsed<ControlSetup> read_parameter_file(const std::string& file, const std::string& text);
+
+/// The lever arm of the tool in the spindle (docs/machine-file.md, compensate): --gauge, else gauge=, else
+/// the table's Z offset, else the machine file's length (tool number absent or not in any table).
+struct GaugeLength {
+  double length = 0;           ///< mm
+  enum class Source { option, table_comment, table_offset, machine_file } source = Source::machine_file;
+  bool touch_off = false;      ///< a negative table offset: not a length; refused when angular errors exist
+};
+[[nodiscard]] GaugeLength gauge_length(const ControlSetup& setup, const Machine& machine, std::optional<int> tool);
+
+}  // namespace abbe
