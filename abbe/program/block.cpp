@@ -1,0 +1,172 @@
+#include "abbe/program/block.h"
+
+#include <fmt/format.h>
+
+#include "abbe/core/number.h"
+
+namespace abbe {
+namespace {
+
+enum class Kind : std::uint8_t { bad, blank, letter, digit, open, semicolon, percent, slash, expression };
+
+constexpr std::array<Kind, 256> make_kinds() {
+  std::array<Kind, 256> kinds{};
+  for (auto& kind : kinds) kind = Kind::bad;
+  for (const char c : {' ', '\t', '\r'}) kinds[static_cast<unsigned char>(c)] = Kind::blank;
+  for (int c = 'A'; c <= 'Z'; ++c) kinds[static_cast<std::size_t>(c)] = Kind::letter;
+  for (int c = 'a'; c <= 'z'; ++c) kinds[static_cast<std::size_t>(c)] = Kind::letter;
+  for (int c = '0'; c <= '9'; ++c) kinds[static_cast<std::size_t>(c)] = Kind::digit;
+  for (const char c : {'+', '-', '.'}) kinds[static_cast<unsigned char>(c)] = Kind::digit;
+  for (const char c : {'#', '[', ']', '=', '<', '>', '*'}) kinds[static_cast<unsigned char>(c)] = Kind::expression;
+  kinds['('] = Kind::open;
+  kinds[';'] = Kind::semicolon;
+  kinds['%'] = Kind::percent;
+  kinds['/'] = Kind::slash;
+  return kinds;
+}
+constexpr std::array<Kind, 256> kKinds = make_kinds();
+
+Kind kind_of(char c) { return kKinds[static_cast<unsigned char>(c)]; }
+
+std::size_t skip_blanks(std::string_view text, std::size_t at) {
+  while (at < text.size() && kind_of(text[at]) == Kind::blank) ++at;
+  return at;
+}
+
+BlockError bad_character(std::string_view text, std::size_t at) {
+  const auto byte = static_cast<unsigned char>(text[at]);
+  if (kind_of(text[at]) == Kind::expression) {
+    return {"E-EXPR", at, 1, fmt::format("'{}': variables and expressions are not literal numbers", text[at]),
+            "where the axes go depends on values that only the control knows when the program runs",
+            "post the program with literal coordinates (loops and variables resolved)"};
+  }
+  const std::string what = byte >= 0x20 && byte < 0x7f ? fmt::format("'{}'", text[at]) : fmt::format("byte 0x{:02X}", byte);
+  return {"E-CHAR", at, 1, what + " outside a comment", "this is not RS274/NGC, so its meaning is unknown",
+          "remove it, or put it into a comment"};
+}
+
+/// A number with blanks inside ("1 . 5"), which RS274 reads as if they were not there.
+bool read_spaced_number(std::string_view text, std::size_t at, Word& word, std::size_t& end) {
+  std::array<char, kMaxBlockBytes + 2> compact{};
+  std::size_t n = 0, last = at;
+  for (std::size_t i = at; i < text.size() && n < kMaxBlockBytes; ++i) {
+    const Kind kind = kind_of(text[i]);
+    if (kind == Kind::blank) continue;
+    if (kind != Kind::digit || (n > 0 && (text[i] == '+' || text[i] == '-'))) break;
+    compact[n++] = text[i];
+    last = i + 1;
+  }
+  const Decimal decimal = read_decimal(std::string_view(compact.data(), n));
+  if (decimal.length == 0 || decimal.length != n) return false;
+  word.value = decimal.value;
+  word.decimals = static_cast<std::uint16_t>(decimal.decimals);
+  word.tidy = false;
+  end = last;
+  return true;
+}
+
+BlockError no_number(char letter, std::size_t at) {
+  return {"E-NUMBER", at, 1, fmt::format("the letter {} is not followed by a number", letter),
+          "a word is a letter and a number", "complete the word or remove it"};
+}
+
+}  // namespace
+
+std::string_view without_eol(std::string_view line) {
+  while (!line.empty() && (line.back() == '\n' || line.back() == '\r')) line.remove_suffix(1);
+  return line;
+}
+
+std::optional<BlockError> read_block(std::string_view line, Block& block) {
+  block.text = without_eol(line);
+  block.eol = line.substr(block.text.size());
+  block.slash = block.percent = block.has_comment = false;
+  block.slash_end = block.words_end = 0;
+  block.count = 0;
+  const std::string_view text = block.text;
+  if (text.size() > kMaxBlockBytes) {
+    return BlockError{"E-LINELEN", kMaxBlockBytes, 1,
+                      fmt::format("the line has {} bytes, {} is the limit", text.size(), kMaxBlockBytes),
+                      "the control refuses longer lines", "break the block into two"};
+  }
+  std::size_t at = skip_blanks(text, 0);
+  if (at < text.size() && text[at] == '%') {
+    const std::size_t rest = skip_blanks(text, at + 1);
+    if (rest < text.size()) return bad_character(text, rest);
+    block.percent = true;
+    return std::nullopt;
+  }
+  if (at < text.size() && text[at] == '/') {
+    block.slash = true;
+    block.slash_end = block.words_end = static_cast<std::uint16_t>(at + 1);
+    ++at;
+  }
+  while ((at = skip_blanks(text, at)) < text.size()) {
+    const char c = text[at];
+    switch (kind_of(c)) {
+      case Kind::semicolon:
+        block.has_comment = true;
+        return std::nullopt;
+      case Kind::open: {
+        const std::size_t close = text.find(')', at);
+        if (close == std::string_view::npos) {
+          return BlockError{"E-COMMENT", at, 1, "the comment is not closed on its line",
+                            "what follows could be program or comment", "add ')'"};
+        }
+        const std::size_t nested = text.find('(', at + 1);
+        if (nested < close) {
+          return BlockError{"E-COMMENT", nested, 1, "'(' inside a comment", "comments do not nest: controls read this differently",
+                            "use other brackets inside comments"};
+        }
+        block.has_comment = true;
+        at = close + 1;
+        break;
+      }
+      case Kind::letter: {
+        if (block.count == Block::kMaxWords) {
+          return BlockError{"E-BLOCK", at, 1, fmt::format("more than {} words in one block", Block::kMaxWords),
+                            "no control accepts such a block", "break the block into several"};
+        }
+        Word& word = block.words[static_cast<std::size_t>(block.count)];
+        word.letter = c >= 'a' ? static_cast<char>(c - 'a' + 'A') : c;
+        word.begin = static_cast<std::uint16_t>(at);
+        word.tidy = true;
+        std::size_t number = at + 1;
+        if (number >= text.size() || kind_of(text[number]) != Kind::digit) {
+          number = skip_blanks(text, number);
+          if (number >= text.size()) return no_number(word.letter, at);
+          if (kind_of(text[number]) == Kind::expression) return bad_character(text, number);
+        }
+        const Decimal decimal = read_decimal(text.substr(number));
+        word.number = static_cast<std::uint16_t>(number);
+        std::size_t end = number + decimal.length;
+        const std::size_t next = skip_blanks(text, end);
+        if (decimal.length == 0 || (next < text.size() && kind_of(text[next]) == Kind::digit)) {
+          if (!read_spaced_number(text, number, word, end)) {
+            if (number < text.size() && kind_of(text[number]) != Kind::letter && kind_of(text[number]) != Kind::digit &&
+                kind_of(text[number]) != Kind::open && kind_of(text[number]) != Kind::semicolon) {
+              return bad_character(text, number);
+            }
+            return no_number(word.letter, at);
+          }
+        } else {
+          word.value = decimal.value;
+          word.decimals = static_cast<std::uint16_t>(decimal.decimals);
+        }
+        word.end = static_cast<std::uint16_t>(end);
+        block.words_end = word.end;
+        ++block.count;
+        at = end;
+        break;
+      }
+      case Kind::slash:
+        return BlockError{"E-SLASH", at, 1, "'/' in the middle of a block", "block delete stands at the start of a line",
+                          "move it to the start or remove it"};
+      default:
+        return bad_character(text, at);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace abbe

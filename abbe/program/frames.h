@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <optional>
+
+#include "abbe/core/linear_algebra.h"
+#include "abbe/machine/control_setup.h"
+
+namespace abbe {
+
+/// The coordinate systems of a control, and the way between program position p and the controlled
+/// point m in machine coordinates (axis commands), mm:
+///
+///   m = Rz(rot) (p + g92) + g5x + tlo                                                     (1)
+///
+/// source   docs/theory/compensation.md
+class Frames {
+ public:
+  explicit Frames(const std::array<std::optional<WorkOffset>, 9>& offsets) : work_(offsets) { select(0); }
+
+  void select(int index);                           ///< G54 = 0 .. G59.3 = 8
+  void set_work_offset(int index, const WorkOffset& offset);
+  void set_tool_offset(const Vec3& tlo);
+  void set_g92(const Vec3& offset) { g92_ = offset; }
+
+  [[nodiscard]] int active() const { return active_; }
+  [[nodiscard]] const std::optional<WorkOffset>& work_offset(int index) const { return work_[static_cast<std::size_t>(index)]; }
+  [[nodiscard]] bool known() const { return work_[static_cast<std::size_t>(active_)].has_value(); }
+  [[nodiscard]] bool rotated() const { return sin_ != 0.0 || cos_ != 1.0; }
+  [[nodiscard]] const Vec3& g92() const { return g92_; }
+  [[nodiscard]] const Vec3& tool_offset() const { return tlo_; }
+  /// g5x + tlo: where the tool stands at the origin of the work offset.
+  [[nodiscard]] const Vec3& datum_point() const { return origin_; }
+
+  [[nodiscard]] Vec3 to_machine(const Vec3& p) const { return rotate(p + g92_, sin_) + origin_; }
+  [[nodiscard]] Vec3 to_program(const Vec3& m) const { return rotate(m - origin_, -sin_) - g92_; }
+  [[nodiscard]] Vec3 vector_to_program(const Vec3& v) const { return rotate(v, -sin_); }
+  [[nodiscard]] Vec3 vector_to_machine(const Vec3& v) const { return rotate(v, sin_); }
+
+ private:
+  [[nodiscard]] Vec3 rotate(const Vec3& v, double sine) const {
+    if (sine == 0.0 && cos_ == 1.0) return v;
+    return {cos_ * v.x() - sine * v.y(), sine * v.x() + cos_ * v.y(), v.z()};
+  }
+  void refresh();
+
+  std::array<std::optional<WorkOffset>, 9> work_;
+  int active_ = 0;
+  Vec3 g92_ = Vec3::Zero(), tlo_ = Vec3::Zero(), origin_ = Vec3::Zero();
+  double sin_ = 0, cos_ = 1;
+};
+
+}  // namespace abbe

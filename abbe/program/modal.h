@@ -1,0 +1,71 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "abbe/program/block.h"
+#include "abbe/program/findings.h"
+
+namespace abbe {
+
+/// G codes are named by ten times their number: G54 = 540, G59.1 = 591.
+using GCode = int;
+
+enum class Plane : std::uint8_t { xy, zx, yz };
+
+/// First, second and third (normal) axis of a plane, 0 1 2 = X Y Z; right-handed in this order.
+[[nodiscard]] constexpr std::array<int, 3> plane_axes(Plane plane) {
+  switch (plane) {
+    case Plane::zx: return {2, 0, 1};
+    case Plane::yz: return {1, 2, 0};
+    default: return {0, 1, 2};
+  }
+}
+
+/// What stays in force from block to block.
+struct ModalState {
+  GCode motion = 800;          ///< G0 G1 G2 G3, a cycle, or G80
+  Plane plane = Plane::xy;
+  bool inch = false;
+  bool incremental = false;    ///< G91
+  bool absolute_centre = false;  ///< G90.1
+  GCode feed_mode = 940;       ///< G93 G94 G95
+  bool retract_to_r = false;   ///< G99
+  double feed = 0;             ///< F in program units
+  bool has_feed = false;       ///< F given since the feed mode changed
+  [[nodiscard]] double unit() const { return inch ? 25.4 : 1.0; }
+};
+
+/// What the words of one block ask for, checked against the list of known codes and against each other.
+struct Instruction {
+  GCode motion = -1;           ///< motion code in force for this block, -1: the block does not move by a motion code
+  bool states_motion = false;  ///< the code is written in this block
+  GCode zero = -1;             ///< group 0: G4 G10 G28 G30 G52 G53 G92 ..
+  std::array<std::int8_t, 26> word{};  ///< index of each value word by letter, -1 = absent
+  bool moves_axes = false;     ///< X, Y or Z is written
+  GCode wcs = -1, tool_length = -1, plane = -1, units = -1, distance = -1, arc_distance = -1, feed_mode = -1, retract = -1;
+  bool tool_change = false;    ///< M6
+  bool set_tool = false;       ///< M61 Q
+  bool ends = false;           ///< M2 M30
+  bool stops = false;          ///< M0 M1 M2 M30 M60: after the motion
+  bool other_m = false;        ///< any other M code
+
+  [[nodiscard]] const Word* find(const Block& block, char letter) const {
+    const int i = word[static_cast<std::size_t>(letter - 'A')];
+    return i < 0 ? nullptr : &block.words[static_cast<std::size_t>(i)];
+  }
+};
+
+[[nodiscard]] constexpr bool is_cycle(GCode code) { return (code >= 810 && code <= 890) || code == 730 || code == 740; }
+[[nodiscard]] constexpr bool is_arc(GCode code) { return code == 20 || code == 30; }
+[[nodiscard]] bool stops_after_motion(int m_code);
+
+/// Sorts the words of a block. Everything not known to the LinuxCNC profile is a finding.
+/// errors   false when the block was refused; `state` is not changed here
+[[nodiscard]] bool read_instruction(const Block& block, const ModalState& state, std::uint64_t line, Findings& findings,
+                                    Instruction& instruction);
+
+/// Puts the modal codes of the instruction in force, in the control's order of execution.
+void apply_modal(const Block& block, const Instruction& instruction, ModalState& state);
+
+}  // namespace abbe
