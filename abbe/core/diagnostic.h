@@ -42,7 +42,8 @@ struct Parsed {
 [[nodiscard]] bool has_errors(const Diagnostics& diagnostics);
 
 /// The compiler form: `file:line:column: error[E-CODE]: message`, the source line with a caret,
-/// then `= why:` and `= fix:` lines. Control bytes of the source line are shown as '?'.
+/// then `= why:` and `= fix:` lines. Every line ends with a line feed. Control bytes and malformed UTF-8
+/// are shown as '?' (a tab as a blank); of a long line the part around the place is shown.
 [[nodiscard]] std::string to_text(const Diagnostic& diagnostic);
 
 /// The candidate with the smallest edit distance to `word`, if it is close enough to be a likely

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 
 namespace abbe {
@@ -99,6 +100,18 @@ class SpoolFile {
   SpoolFile();
   struct State;
   std::unique_ptr<State> state_;
+};
+
+/// Standard input copied to a temporary file, so that it can be read more than once by its path.
+/// The file is removed with this object.
+class SpooledInput {
+ public:
+  [[nodiscard]] static FileResult<SpooledInput> from_standard_input();
+  [[nodiscard]] const std::string& path() const { return file_.temporary_path(); }
+
+ private:
+  explicit SpooledInput(SpoolFile file) : file_(std::move(file)) {}
+  SpoolFile file_;
 };
 
 }  // namespace abbe

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,6 +18,7 @@ struct Decimal {
 
 /// Reads [+-]digits[.digits] at the start of `text`, never an exponent: `X1E2` is 1 followed by
 /// a word E (chars_format::fixed). The value is correctly rounded: bit-equal to from_chars.
+/// A number too large for a double is no number (length 0).
 /// cost    about 5 ns for up to 18 digits, no allocation
 [[nodiscard]] Decimal read_decimal(std::string_view text);
 

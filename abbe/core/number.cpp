@@ -1,0 +1,279 @@
+#include "abbe/core/number.h"
+
+#include <array>
+#include <bit>
+#include <cassert>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+namespace abbe {
+namespace {
+
+constexpr std::uint64_t kTwo52 = std::uint64_t{1} << 52;
+constexpr std::uint64_t kTwo53 = std::uint64_t{1} << 53;
+constexpr int kExactPowers = 22;        // 10^22 is the largest power of ten that is a double
+constexpr int kMaxMantissaDigits = 18;  // fit an int64
+
+constexpr std::array<double, kExactPowers + 1> kPower10 = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                                                           1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
+                                                           1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+constexpr std::array<std::uint64_t, 9> kIntegerPower10 = {1,      10,      100,      1000,     10000,
+                                                          100000, 1000000, 10000000, 100000000};
+
+constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
+
+// The 8 bytes at `p`, first byte lowest; bytes behind `end` read as 0. Needs end - begin >= 8.
+std::uint64_t load8(const char* begin, const char* p, const char* end) {
+  const auto left = end - p;
+  std::uint64_t word = 0;
+  if (left >= 8) {
+    std::memcpy(&word, p, 8);
+    return word;
+  }
+  if (left <= 0 || end - begin < 8) return 0;
+  std::memcpy(&word, end - 8, 8);
+  return word >> (8 * (8 - left));
+}
+
+// Number of leading bytes of `word` that are digits, 0..8.
+int leading_digits(std::uint64_t word) {
+  // A byte is a digit if its high nibble is 3 and stays 3 when 6 is added to it.
+  const std::uint64_t high = 0xF0F0F0F0F0F0F0F0U;
+  const std::uint64_t wrong = ((word & high) ^ 0x3030303030303030U) |
+                              (((word + 0x0606060606060606U) & high) ^ 0x3030303030303030U);
+  // Adding may carry out of a byte only above a byte that is itself wrong: the first wrong one is right.
+  return wrong == 0 ? 8 : std::countr_zero(wrong) / 8;
+}
+
+// The number in the first `count` digits of `word`, count 1..8.
+std::uint64_t eight_digits(std::uint64_t word, int count) {
+  word = (word & 0x0F0F0F0F0F0F0F0FU) << (8 * (8 - count));  // leading zeros
+  word = (word * 10) + (word >> 8);                          // pairs
+  return (((word & 0x000000FF000000FFU) * 0x000F424000000064U) +
+          (((word >> 16) & 0x000000FF000000FFU) * 0x0000271000000001U)) >>
+         32;
+}
+
+// Any length, correctly rounded: for numbers with more digits than a double can hold exactly.
+Decimal read_long(const char* first, const char* last, Decimal shape, bool negative) {
+  double value = 0;
+  const auto [end, error] = std::from_chars(first, last, value, std::chars_format::fixed);
+  if (error == std::errc::result_out_of_range) {
+    // Too large is no number that we can stand for; too small is 0.
+    for (const char* p = first; p != last && *p != '.'; ++p) {
+      if (*p != '0') return {};
+    }
+    value = 0;
+  }
+  if (!std::isfinite(value)) return {};
+  shape.value = negative ? -value : value;
+  return shape;
+}
+
+struct Scaled {
+  bool exact = false;  // digits is right; otherwise the number is too large for this path
+  std::uint64_t digits = 0;
+};
+
+// |value| * 10^decimals rounded to the nearest integer, ties to even, without error:
+// p = fl(|v| 10^d) has a spacing u <= 1/2 below 2^52 and |p - |v| 10^d| <= u/2. So if the fraction of p
+// is not 1/2 it is at least u away from it, on the same side as the true one. If it is 1/2, the
+// residual r = |v| 10^d - p, which is exact in a fused multiply-add, says on which side we are.
+Scaled scale(double magnitude, int decimals) {
+  if (decimals < 0 || decimals > kExactPowers) return {};
+  const double power = kPower10[static_cast<std::size_t>(decimals)];
+  const double p = magnitude * power;
+  if (!(p < static_cast<double>(kTwo52))) return {};
+  auto n = static_cast<std::uint64_t>(static_cast<std::int64_t>(p));
+  const double fraction = p - static_cast<double>(n);
+  if (fraction > 0.5) {
+    ++n;
+  } else if (fraction == 0.5) {
+    const double r = std::fma(magnitude, power, -p);
+    if (r > 0 || (r == 0 && n % 2 == 1)) ++n;
+  }
+  return {true, n};
+}
+
+constexpr auto kPairs = [] {
+  std::array<char, 200> pairs{};
+  for (std::size_t i = 0; i < 100; ++i) {
+    pairs[2 * i] = static_cast<char>('0' + i / 10);
+    pairs[2 * i + 1] = static_cast<char>('0' + i % 10);
+  }
+  return pairs;
+}();
+
+// Writes exactly `count` digits of n (leading zeros) that end before `end`.
+void write_digits(char* end, std::uint64_t n, int count) {
+  for (; count >= 2; count -= 2) {
+    end -= 2;
+    std::memcpy(end, &kPairs[2 * (n % 100)], 2);
+    n /= 100;
+  }
+  if (count == 1) *--end = static_cast<char>('0' + n % 10);
+}
+
+int digit_count(std::uint64_t n) {
+  int count = 1;
+  for (; n >= 10000; n /= 10000) count += 4;
+  if (n >= 1000) return count + 3;
+  if (n >= 100) return count + 2;
+  return n >= 10 ? count + 1 : count;
+}
+
+// Beyond 2^52 units of the last digit, or more than 22 digits: what the library writes.
+double append_fixed_slow(std::string& out, double value, int decimals) {
+  const std::size_t start = out.size();
+  out.resize(start + 320 + static_cast<std::size_t>(decimals));
+  const char* const first = out.data() + start;
+  const auto [end, error] =
+      std::to_chars(out.data() + start, out.data() + out.size(), value, std::chars_format::fixed, decimals);
+  assert(error == std::errc());
+  out.resize(start + static_cast<std::size_t>(end - first));
+  if (decimals == 0) out += '.';
+  if (out[start] == '-' && out.find_first_not_of("0.", start + 1) == std::string::npos) out.erase(start, 1);
+  double seen = 0;
+  std::from_chars(out.data() + start, out.data() + out.size(), seen, std::chars_format::fixed);
+  return seen;
+}
+
+}  // namespace
+
+Decimal read_decimal(std::string_view text) {
+  Decimal out;
+  const char* const begin = text.data();
+  const char* const end = begin + text.size();
+  const char* p = begin;
+  bool negative = false;
+  if (p != end && (*p == '+' || *p == '-')) {
+    out.has_sign = true;
+    negative = *p++ == '-';
+  }
+  const char* const first = p;
+
+  // Up to 7 digits before and after the point, 8 bytes at a time and without a branch per digit.
+  if (std::endian::native == std::endian::little && text.size() >= 8) {
+    const std::uint64_t head = load8(begin, p, end);
+    const int whole = leading_digits(head);
+    if (whole < 8) {
+      std::uint64_t mantissa = whole == 0 ? 0 : eight_digits(head, whole);
+      p += whole;
+      int decimals = 0;
+      if (p != end && *p == '.') {
+        const std::uint64_t tail = load8(begin, p + 1, end);
+        decimals = leading_digits(tail);
+        out.has_point = true;
+        if (decimals > 0) {
+          mantissa = mantissa * kIntegerPower10[static_cast<std::size_t>(decimals)] + eight_digits(tail, decimals);
+        }
+        p += 1 + decimals;
+      }
+      if (decimals < 8) {
+        if (whole + decimals == 0) return {};
+        // mantissa < 10^14 < 2^53 and 10^decimals are exact, so their quotient is correctly rounded.
+        const double value = static_cast<double>(mantissa) / kPower10[static_cast<std::size_t>(decimals)];
+        out.value = negative ? -value : value;
+        out.decimals = decimals;
+        out.length = static_cast<std::size_t>(p - begin);
+        return out;
+      }
+    }
+    p = first;
+    out.has_point = false;
+  }
+
+  std::uint64_t mantissa = 0;
+  int significant = 0;
+  const auto take = [&](char c) {
+    if (significant > 0 || c != '0') ++significant;
+    if (significant <= kMaxMantissaDigits) mantissa = mantissa * 10 + static_cast<std::uint64_t>(c - '0');
+  };
+  for (; p != end && is_digit(*p); ++p) take(*p);
+  std::ptrdiff_t digits = p - first;
+  if (p != end && *p == '.') {
+    out.has_point = true;
+    const char* const after_point = ++p;
+    for (; p != end && is_digit(*p); ++p) take(*p);
+    out.decimals = static_cast<int>(p - after_point);
+    digits += out.decimals;
+  }
+  if (digits == 0) return {};
+  out.length = static_cast<std::size_t>(p - begin);
+  if (significant > kMaxMantissaDigits || mantissa >= kTwo53 || out.decimals > kExactPowers) {
+    return read_long(first, p, out, negative);
+  }
+  const double value = static_cast<double>(mantissa) / kPower10[static_cast<std::size_t>(out.decimals)];
+  out.value = negative ? -value : value;
+  return out;
+}
+
+std::optional<double> read_number(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  if (!text.empty() && text.front() == '+') {
+    text.remove_prefix(1);
+    if (!text.empty() && text.front() == '-') return std::nullopt;
+  }
+  double value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
+double append_fixed(std::string& out, double value, int decimals) {
+  assert(std::isfinite(value) && std::abs(value) < 1e12 && decimals >= 0);
+  if (!std::isfinite(value) || decimals < 0) return 0;
+  const auto [exact, n] = scale(std::abs(value), decimals);
+  if (!exact) return append_fixed_slow(out, value, decimals);
+
+  const bool negative = value < 0 && n != 0;
+  const int digits = digit_count(n);
+  const int whole = digits > decimals ? digits - decimals : 1;
+  std::array<char, 48> buffer;  // sign, at most 16 digits before and 22 after the point
+  char* const first = buffer.data() + 1;
+  const char* const end = first + whole + 1 + decimals;
+  std::uint64_t head = n;
+  if (decimals > 0) {
+    const int low = decimals < 8 ? decimals : 8;  // the last 8 decimals at most in one division
+    const int high = decimals - low;              // decimals before them
+    std::uint64_t rest = n % kIntegerPower10[static_cast<std::size_t>(low)];
+    head = n / kIntegerPower10[static_cast<std::size_t>(low)];
+    write_digits(first + whole + 1 + decimals, rest, low);
+    for (int i = 0; i < high; ++i) {
+      first[whole + high - i] = static_cast<char>('0' + head % 10);
+      head /= 10;
+    }
+  }
+  first[whole] = '.';
+  write_digits(first + whole, head, whole);
+  if (negative) buffer[0] = '-';
+  const char* const start = negative ? buffer.data() : first;
+  out.append(start, static_cast<std::size_t>(end - start));
+  // n <= 2^52 and 10^decimals are exact: this is the double nearest to what was written.
+  const double seen = static_cast<double>(n) / kPower10[static_cast<std::size_t>(decimals)];
+  return negative ? -seen : seen;
+}
+
+double rounded(double value, int decimals) {
+  assert(std::isfinite(value) && decimals >= 0);
+  const auto [exact, n] = scale(std::abs(value), decimals);
+  if (!exact) {
+    std::string text;
+    return append_fixed(text, value, decimals);
+  }
+  const double seen = static_cast<double>(n) / kPower10[static_cast<std::size_t>(decimals)];
+  return value < 0 && n != 0 ? -seen : seen;
+}
+
+std::string to_shortest(double value) {
+  std::array<char, 32> buffer;
+  const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+  assert(error == std::errc());
+  return {buffer.data(), static_cast<std::size_t>(end - buffer.data())};
+}
+
+}  // namespace abbe
