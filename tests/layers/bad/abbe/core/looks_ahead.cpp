@@ -1,0 +1,3 @@
+#include "abbe/chain/plan.h"
+#include <openssl/evp.h>
+#include <fmt/core.h>

@@ -1,0 +1,3 @@
+#include "machine.h"
+#include <nlohmann/json.hpp>
+#include <toml++/toml.h>

@@ -1,0 +1,3 @@
+#include "abbe/program/block.h"
+#include "abbe/chain/plan.h"
+#include <gtest/gtest.h>

@@ -1,0 +1,21 @@
+cmake_minimum_required(VERSION 3.25)
+# The test of the test: layers.cmake must refuse the sample tree and name every planted fault.
+#   cmake -DHERE=<this folder> -P expect.cmake
+execute_process(COMMAND ${CMAKE_COMMAND} -DROOT=${HERE}/bad -P ${HERE}/layers.cmake
+                RESULT_VARIABLE result ERROR_VARIABLE text OUTPUT_VARIABLE text)
+if(result EQUAL 0)
+  message(FATAL_ERROR "A tree full of faults was accepted")
+endif()
+file(STRINGS ${HERE}/bad/expected.txt expected)
+foreach(complaint ${expected})
+  string(FIND "${text}" "${complaint}" place)
+  if(place EQUAL -1)
+    message(FATAL_ERROR "Not reported: ${complaint}\nReported:\n${text}")
+  endif()
+endforeach()
+string(REGEX MATCHALL "\n +abbe/[a-z]+: |\n +[a-z]+/[a-z_]+\\.(h|cpp): " complaints "${text}")
+list(LENGTH complaints reported)
+list(LENGTH expected wanted)
+if(NOT reported EQUAL wanted)
+  message(FATAL_ERROR "${reported} complaints, expected ${wanted}:\n${text}")
+endif()
