@@ -1,9 +1,9 @@
 #include "abbe/core/diagnostic.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
-
-#include <fmt/core.h>
 
 namespace abbe {
 namespace {
@@ -17,8 +17,8 @@ std::size_t character(std::string_view text, std::size_t i) {
   const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
   const unsigned char lead = byte(i);
   if (lead < 0x80) return lead >= 0x20 && lead != 0x7F ? 1 : 0;
-  const std::size_t length = lead >= 0xF0 && lead <= 0xF4 ? 4
-                             : (lead & 0xF0U) == 0xE0     ? 3
+  const std::size_t length = lead >= 0xF0 && lead <= 0xF4  ? 4
+                             : (lead & 0xF0U) == 0xE0      ? 3
                              : lead >= 0xC2 && lead < 0xE0 ? 2
                                                            : 0;
   if (length == 0 || i + length > text.size()) return 0;
@@ -26,11 +26,11 @@ std::size_t character(std::string_view text, std::size_t i) {
     if (!is_continuation(byte(i + k))) return 0;
   }
   const unsigned char second = byte(i + 1);
-  if (lead == 0xC2 && second < 0xA0) return 0;                        // C1 control bytes
-  if (lead == 0xE0 && second < 0xA0) return 0;                        // overlong
-  if (lead == 0xED && second > 0x9F) return 0;                        // surrogates
-  if (lead == 0xF0 && second < 0x90) return 0;                        // overlong
-  if (lead == 0xF4 && second > 0x8F) return 0;                        // beyond Unicode
+  if (lead == 0xC2 && second < 0xA0) return 0;  // C1 control bytes
+  if (lead == 0xE0 && second < 0xA0) return 0;  // overlong
+  if (lead == 0xED && second > 0x9F) return 0;  // surrogates
+  if (lead == 0xF0 && second < 0x90) return 0;  // overlong
+  if (lead == 0xF4 && second > 0x8F) return 0;  // beyond Unicode
   return length;
 }
 
@@ -112,7 +112,8 @@ int edit_distance(std::string_view a, std::string_view b) {
     for (std::size_t j = 1; j <= b.size(); ++j) {
       const int change = a[i - 1] == b[j - 1] ? 0 : lower(a[i - 1]) == lower(b[j - 1]) ? kOtherCase : kEdit;
       int best = std::min({rows[1][j - 1] + change, rows[1][j] + kEdit, rows[2][j - 1] + kEdit});
-      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1]) best = std::min(best, rows[0][j - 2] + kEdit);
+      if (i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1])
+        best = std::min(best, rows[0][j - 2] + kEdit);
       rows[2][j] = best;
     }
     std::rotate(rows.begin(), rows.begin() + 1, rows.end());
@@ -136,7 +137,9 @@ std::string to_text(const Diagnostic& diagnostic) {
     if (place.line > 0 && place.column > 0) out += fmt::format(":{}", place.column);
     out += ": ";
   }
-  out += diagnostic.severity == Severity::error ? "error" : diagnostic.severity == Severity::warning ? "warning" : "note";
+  out += diagnostic.severity == Severity::error     ? "error"
+         : diagnostic.severity == Severity::warning ? "warning"
+                                                    : "note";
   if (!diagnostic.code.empty()) out += fmt::format("[{}]", diagnostic.code);
   out += fmt::format(": {}\n", printable(diagnostic.message).text);
 

@@ -1,6 +1,7 @@
 #include "abbe/core/file.h"
 
 #include <fcntl.h>
+#include <fmt/core.h>
 #include <poll.h>
 #include <sys/random.h>
 #include <sys/stat.h>
@@ -14,8 +15,6 @@
 #include <filesystem>
 #include <system_error>
 #include <vector>
-
-#include <fmt/core.h>
 
 namespace abbe {
 namespace {
@@ -48,7 +47,8 @@ FileError failure(const std::string& path, int code) {
   FileError error;
   error.message = fmt::format("{}: {}", path.empty() ? "''" : path, std::generic_category().message(code));
   error.missing = code == ENOENT || code == ENOTDIR;
-  error.unsuitable = code == EISDIR || code == EACCES || code == EPERM || code == ELOOP || code == ENAMETOOLONG;
+  error.unsuitable =
+      code == EISDIR || code == EACCES || code == EPERM || code == ELOOP || code == ENAMETOOLONG;
   return error;
 }
 

@@ -66,12 +66,12 @@ class LineReader {
   /// The next line, valid until the next call; nullopt at the end or after an I/O error.
   [[nodiscard]] std::optional<std::string_view> next();
 
-  [[nodiscard]] bool too_long() const;               ///< the line just returned was cut
-  [[nodiscard]] std::size_t line_number() const;     ///< of the line just returned, from 1
-  [[nodiscard]] std::uint64_t bytes_read() const;    ///< consumed so far
+  [[nodiscard]] bool too_long() const;             ///< the line just returned was cut
+  [[nodiscard]] std::size_t line_number() const;   ///< of the line just returned, from 1
+  [[nodiscard]] std::uint64_t bytes_read() const;  ///< consumed so far
   [[nodiscard]] const std::optional<FileError>& error() const;
-  [[nodiscard]] FileIdentity identity() const;       ///< at the time of opening
-  [[nodiscard]] std::string sha256();                ///< of all bytes; call after the end
+  [[nodiscard]] FileIdentity identity() const;  ///< at the time of opening
+  [[nodiscard]] std::string sha256();           ///< of all bytes; call after the end
 
  private:
   LineReader();
@@ -89,8 +89,8 @@ class SpoolFile {
   SpoolFile(SpoolFile&&) noexcept;
   SpoolFile& operator=(SpoolFile&&) noexcept;
 
-  [[nodiscard]] bool write(std::string_view bytes);       ///< false: see error()
-  [[nodiscard]] bool flush();                             ///< so that temporary_path() can be read
+  [[nodiscard]] bool write(std::string_view bytes);  ///< false: see error()
+  [[nodiscard]] bool flush();                        ///< so that temporary_path() can be read
   [[nodiscard]] const std::string& temporary_path() const;
   [[nodiscard]] std::uint64_t size() const;
   [[nodiscard]] bool publish();

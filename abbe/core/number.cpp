@@ -42,8 +42,8 @@ std::uint64_t load8(const char* begin, const char* p, const char* end) {
 int leading_digits(std::uint64_t word) {
   // A byte is a digit if its high nibble is 3 and stays 3 when 6 is added to it.
   const std::uint64_t high = 0xF0F0F0F0F0F0F0F0U;
-  const std::uint64_t wrong = ((word & high) ^ 0x3030303030303030U) |
-                              (((word + 0x0606060606060606U) & high) ^ 0x3030303030303030U);
+  const std::uint64_t wrong =
+      ((word & high) ^ 0x3030303030303030U) | (((word + 0x0606060606060606U) & high) ^ 0x3030303030303030U);
   // Adding may carry out of a byte only above a byte that is itself wrong: the first wrong one is right.
   return wrong == 0 ? 8 : std::countr_zero(wrong) / 8;
 }
@@ -168,7 +168,8 @@ Decimal read_decimal(std::string_view text) {
         decimals = leading_digits(tail);
         out.has_point = true;
         if (decimals > 0) {
-          mantissa = mantissa * kIntegerPower10[static_cast<std::size_t>(decimals)] + eight_digits(tail, decimals);
+          mantissa =
+              mantissa * kIntegerPower10[static_cast<std::size_t>(decimals)] + eight_digits(tail, decimals);
         }
         p += 1 + decimals;
       }

@@ -1,5 +1,8 @@
 #include "abbe/core/number.h"
 
+#include <fmt/core.h>
+#include <gtest/gtest.h>
+
 #include <array>
 #include <bit>
 #include <charconv>
@@ -8,15 +11,14 @@
 #include <random>
 #include <string>
 
-#include <fmt/core.h>
-#include <gtest/gtest.h>
-
 namespace abbe {
 namespace {
 
 constexpr int kDraws = 300'000;
 
-bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
+bool same_bits(double a, double b) {
+  return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
+}
 
 double library_reads(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
@@ -29,7 +31,8 @@ double library_reads(std::string_view text) {
 std::string library_writes(double value, int decimals) {
   std::array<char, 512> buffer;
   const auto end =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, decimals).ptr;
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, std::chars_format::fixed, decimals)
+          .ptr;
   std::string text(buffer.data(), end);
   if (decimals == 0) text += '.';
   if (text.starts_with('-') && text.find_first_of("123456789") == std::string::npos) text.erase(0, 1);
@@ -75,7 +78,8 @@ TEST(ReadDecimal, IsBitEqualToFromChars) {
       ASSERT_EQ(read.has_sign, text[0] == '-' || text[0] == '+');
       const std::size_t point = text.find('.');
       ASSERT_EQ(read.has_point, point != std::string::npos) << text;
-      ASSERT_EQ(read.decimals, point == std::string::npos ? 0 : static_cast<int>(text.size() - point - 1)) << text;
+      ASSERT_EQ(read.decimals, point == std::string::npos ? 0 : static_cast<int>(text.size() - point - 1))
+          << text;
     }
   }
 }
@@ -85,8 +89,8 @@ TEST(ReadDecimal, ReadsEveryLengthExactly) {
     for (int decimals = 0; decimals <= 40; ++decimals) {
       if (whole + decimals == 0) continue;
       for (const char digit : {'0', '1', '9'}) {
-        const std::string text =
-            std::string(static_cast<std::size_t>(whole), digit) + "." + std::string(static_cast<std::size_t>(decimals), digit);
+        const std::string text = std::string(static_cast<std::size_t>(whole), digit) + "." +
+                                 std::string(static_cast<std::size_t>(decimals), digit);
         const Decimal read = read_decimal(text + "X");
         ASSERT_TRUE(same_bits(read.value, library_reads(text))) << text;
         ASSERT_EQ(read.length, text.size());
@@ -104,8 +108,27 @@ TEST(ReadDecimal, NeverReadsAnExponent) {
 }
 
 TEST(ReadDecimal, FindsNoNumber) {
-  for (const char* text : {"", "+", "-", ".", "-.", "+.X", "X1", " 1", "--1", "+-1", "nan", "inf", "NAN     ", "INFINITY",
-                           ".        ", "-.       ", "        ", "/1234567", ":1234567", "\xfa" "1234567"}) {
+  for (const char* text : {"",
+                           "+",
+                           "-",
+                           ".",
+                           "-.",
+                           "+.X",
+                           "X1",
+                           " 1",
+                           "--1",
+                           "+-1",
+                           "nan",
+                           "inf",
+                           "NAN     ",
+                           "INFINITY",
+                           ".        ",
+                           "-.       ",
+                           "        ",
+                           "/1234567",
+                           ":1234567",
+                           "\xfa"
+                           "1234567"}) {
     const Decimal read = read_decimal(text);
     EXPECT_EQ(read.length, 0U) << text;
     EXPECT_EQ(read.value, 0.0) << text;
@@ -146,8 +169,9 @@ TEST(ReadNumber, ReadsGeneralNotationAndNothingElse) {
   EXPECT_EQ(read_number("-2."), -2.0);
   EXPECT_EQ(read_number(".5"), 0.5);
   EXPECT_EQ(read_number("1e300"), 1e300);
-  for (const char* text : {"", " ", "+", "-", "+-1", "-+1", "++1", "1 2", "1,5", "1x", "nan", "-nan", "inf", "+inf",
-                           "infinity", "1e400", "-1e400", "0x10", "1e", ".", "1_000"}) {
+  for (const char* text :
+       {"",     " ",   "+",    "-",        "+-1",   "-+1",    "++1",  "1 2", "1,5", "1x",   "nan",
+        "-nan", "inf", "+inf", "infinity", "1e400", "-1e400", "0x10", "1e",  ".",   "1_000"}) {
     EXPECT_FALSE(read_number(text).has_value()) << text;
   }
 }
@@ -157,7 +181,8 @@ TEST(AppendFixed, IsByteIdenticalToToCharsForRandomNumbers) {
   std::uniform_real_distribution<double> exponent(-9, 9);
   std::uniform_real_distribution<double> mantissa(-10, 10);
   for (int k = 0; k < kDraws; ++k) {
-    ASSERT_NO_FATAL_FAILURE(expect_as_library(mantissa(rng) * std::pow(10.0, exponent(rng)), static_cast<int>(rng() % 10)));
+    ASSERT_NO_FATAL_FAILURE(
+        expect_as_library(mantissa(rng) * std::pow(10.0, exponent(rng)), static_cast<int>(rng() % 10)));
   }
 }
 
@@ -167,7 +192,8 @@ TEST(AppendFixed, IsByteIdenticalToToCharsNextToTies) {
     const auto decimals = static_cast<int>(rng() % 8);
     const auto n = static_cast<double>(rng() % 10'000'000) + 0.5;
     double value = n / std::pow(10.0, decimals);
-    for (auto steps = rng() % 3; steps > 0; --steps) value = std::nextafter(value, rng() % 2 == 0 ? 1e300 : -1e300);
+    for (auto steps = rng() % 3; steps > 0; --steps)
+      value = std::nextafter(value, rng() % 2 == 0 ? 1e300 : -1e300);
     ASSERT_NO_FATAL_FAILURE(expect_as_library(rng() % 2 == 0 ? value : -value, decimals));
   }
 }
@@ -188,7 +214,8 @@ TEST(AppendFixed, IsByteIdenticalToToCharsForLargeNumbersAndManyDigits) {
     ASSERT_NO_FATAL_FAILURE(expect_as_library(wide(rng), static_cast<int>(rng() % 30)));
   }
   for (const double value : {4503.599627370496, 4503.5996273704955, 0.1, 1e-300, 5e-324, 999999999999.9999}) {
-    for (int decimals = 0; decimals < 30; ++decimals) ASSERT_NO_FATAL_FAILURE(expect_as_library(value, decimals));
+    for (int decimals = 0; decimals < 30; ++decimals)
+      ASSERT_NO_FATAL_FAILURE(expect_as_library(value, decimals));
   }
 }
 

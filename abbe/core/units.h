@@ -9,7 +9,7 @@ namespace abbe {
 inline constexpr double mm = 1.0;
 inline constexpr double um = 1e-3;
 inline constexpr double nm = 1e-6;
-inline constexpr double m = 1e3;
+inline constexpr double metre = 1e3;
 inline constexpr double inch = 25.4;
 inline constexpr double rad = 1.0;
 inline constexpr double mrad = 1e-3;

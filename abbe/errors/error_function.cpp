@@ -14,7 +14,7 @@ using error_function_detail::kCubicRecord;
 using error_function_detail::kLinearRecord;
 using error_function_detail::kMaxGridVariables;
 
-constexpr double kUniform = 1e-9;       // of a step: positions closer than this to a comb count as equally spaced
+constexpr double kUniform = 1e-9;  // of a step: positions closer than this to a comb count as equally spaced
 constexpr double kSamePosition = 1e-8;  // of a period: a span this close to one period is one
 
 bool all_finite(const std::vector<double>& numbers) {
@@ -37,7 +37,8 @@ bool equally_spaced(const std::vector<double>& x) {
   return true;
 }
 
-std::vector<double> linear_records(const std::vector<double>& x, const std::vector<double>& e, bool periodic) {
+std::vector<double> linear_records(const std::vector<double>& x, const std::vector<double>& e,
+                                   bool periodic) {
   std::vector<double> records;
   records.reserve(x.size() * kLinearRecord);
   double slope = 0;
@@ -55,7 +56,7 @@ std::vector<double> cubic_records(const std::vector<double>& x, const std::vecto
   records.reserve(x.size() * kCubicRecord);
   double slope = 0;
   for (std::size_t i = 0; i + 1 < x.size(); ++i) {
-    // e(t) = e_i + b t + M_i/2 t^2 + (M_{i+1} - M_i)/(6 h) t^3,  b = s_i - h (2 M_i + M_{i+1})/6           (6)
+    // e(t) = e_i + b t + M_i/2 t^2 + (M_{i+1} - M_i)/(6 h) t^3,  b = s_i - h (2 M_i + M_{i+1})/6 (6)
     const double h = x[i + 1] - x[i];
     const double chord = (e[i + 1] - e[i]) / h;
     records.insert(records.end(), {x[i], e[i], chord - h * (2 * second[i] + second[i + 1]) / 6, second[i] / 2,
@@ -120,9 +121,10 @@ ErrorFunction ErrorFunction::constant(double c) {
   return leaf(node, {c});
 }
 
-std::optional<ErrorFunction> ErrorFunction::polynomial(int variable, std::vector<double> coefficients, double reference,
-                                                       Domain domain) {
-  if (variable < 0 || coefficients.empty() || !all_finite(coefficients) || !std::isfinite(reference) || !valid(domain)) {
+std::optional<ErrorFunction> ErrorFunction::polynomial(int variable, std::vector<double> coefficients,
+                                                       double reference, Domain domain) {
+  if (variable < 0 || coefficients.empty() || !all_finite(coefficients) || !std::isfinite(reference) ||
+      !valid(domain)) {
     return std::nullopt;
   }
   if (coefficients.size() == 1 && unbounded(domain)) return constant(coefficients[0]);
@@ -136,13 +138,13 @@ std::optional<ErrorFunction> ErrorFunction::polynomial(int variable, std::vector
   return leaf(node, std::move(coefficients));
 }
 
-std::optional<ErrorFunction> ErrorFunction::table(int variable, std::vector<double> positions, std::vector<double> values,
-                                                  Interpolation interpolation, double reference, double period,
-                                                  Domain domain) {
+std::optional<ErrorFunction> ErrorFunction::table(int variable, std::vector<double> positions,
+                                                  std::vector<double> values, Interpolation interpolation,
+                                                  double reference, double period, Domain domain) {
   const bool periodic = period != 0;
   if (variable < 0 || positions.empty() || positions.size() != values.size() || !all_finite(positions) ||
       !all_finite(values) || !strictly_increasing(positions) || !std::isfinite(reference) || !valid(domain) ||
-      !std::isfinite(period) || period < 0) {
+      !std::isfinite(positions.back() - positions.front()) || !std::isfinite(period) || period < 0) {
     return std::nullopt;
   }
   if (periodic) {
@@ -157,7 +159,8 @@ std::optional<ErrorFunction> ErrorFunction::table(int variable, std::vector<doub
       values.push_back(values.front());
     }
   }
-  if (positions.size() == 1 || (periodic && positions.size() == 2)) return polynomial(variable, {values[0]}, reference, domain);
+  if (positions.size() == 1 || (periodic && positions.size() == 2))
+    return polynomial(variable, {values[0]}, reference, domain);
 
   Node node;
   node.periodic = periodic;
@@ -169,17 +172,20 @@ std::optional<ErrorFunction> ErrorFunction::table(int variable, std::vector<doub
   if (node.lo > node.hi) return std::nullopt;
   node.form = interpolation == Interpolation::cubic && positions.size() > 2 ? Form::cubic : Form::linear;
   node.uniform = equally_spaced(positions);
-  node.inverse_step = node.uniform ? static_cast<double>(positions.size() - 1) / (positions.back() - positions.front()) : 0;
+  node.inverse_step =
+      node.uniform ? static_cast<double>(positions.size() - 1) / (positions.back() - positions.front()) : 0;
   node.count = static_cast<std::uint32_t>(positions.size());
   std::vector<double> records = node.form == Form::cubic ? cubic_records(positions, values, periodic)
                                                          : linear_records(positions, values, periodic);
-  if (!all_finite(records) || !std::isfinite(node.inverse_step)) return std::nullopt;  // steps or values too extreme
+  if (!all_finite(records) || !std::isfinite(node.inverse_step))
+    return std::nullopt;  // steps or values too extreme
   return leaf(node, std::move(records));
 }
 
-std::optional<ErrorFunction> ErrorFunction::sine(int variable, double amplitude, double frequency, double phase,
-                                                 double reference, Domain domain) {
-  if (variable < 0 || !all_finite({amplitude, frequency, phase, reference}) || !valid(domain)) return std::nullopt;
+std::optional<ErrorFunction> ErrorFunction::sine(int variable, double amplitude, double frequency,
+                                                 double phase, double reference, Domain domain) {
+  if (variable < 0 || !all_finite({amplitude, frequency, phase, reference}) || !valid(domain))
+    return std::nullopt;
   Node node;
   node.form = Form::sine;
   node.variable = variable;
@@ -190,17 +196,21 @@ std::optional<ErrorFunction> ErrorFunction::sine(int variable, double amplitude,
   return leaf(node, {amplitude, frequency, phase});
 }
 
-std::optional<ErrorFunction> ErrorFunction::grid(std::vector<int> variables, std::vector<std::vector<double>> positions,
+std::optional<ErrorFunction> ErrorFunction::grid(std::vector<int> variables,
+                                                 std::vector<std::vector<double>> positions,
                                                  std::vector<double> values, double reference) {
   const std::size_t d = variables.size();
-  if (d == 0 || d > kMaxGridVariables || positions.size() != d || !all_finite(values) || !std::isfinite(reference)) {
+  if (d == 0 || d > kMaxGridVariables || positions.size() != d || !all_finite(values) ||
+      !std::isfinite(reference)) {
     return std::nullopt;
   }
   std::size_t expected = 1;
   for (std::size_t k = 0; k < d; ++k) {
     const auto& x = positions[k];
-    if (variables[k] < 0 || std::count(variables.begin(), variables.end(), variables[k]) != 1) return std::nullopt;
-    if (x.empty() || x.size() > values.size() || !all_finite(x) || !strictly_increasing(x)) return std::nullopt;
+    if (variables[k] < 0 || std::count(variables.begin(), variables.end(), variables[k]) != 1)
+      return std::nullopt;
+    if (x.empty() || x.size() > values.size() || !all_finite(x) || !strictly_increasing(x))
+      return std::nullopt;
     if (!std::isfinite(x.back() - x.front()) || values.size() / expected < x.size()) return std::nullopt;
     expected *= x.size();
   }
@@ -254,7 +264,8 @@ std::vector<int> ErrorFunction::variables() const {
   std::vector<int> used;
   for (const Node& node : nodes_) {
     if (node.form == Form::grid) {
-      for (std::size_t k = 0; k < node.count; ++k) used.push_back(static_cast<int>(data_[node.data + node.count + k]));
+      for (std::size_t k = 0; k < node.count; ++k)
+        used.push_back(static_cast<int>(data_[node.data + node.count + k]));
     } else if (node.variable >= 0 && node.form != Form::directional) {
       used.push_back(node.variable);
     }
@@ -269,7 +280,8 @@ std::vector<double> ErrorFunction::knots(int variable, double lo, double hi) con
   for (const Node& node : nodes_) {
     const double* const data = data_.data() + node.data;
     // The domain in the variable's own numbers, as far as it is asked for.
-    const double first = std::max(lo, node.lo + node.reference), last = std::min(hi, node.hi + node.reference);
+    const double first = std::max(lo, node.lo + node.reference),
+                 last = std::min(hi, node.hi + node.reference);
     const bool own = node.variable == variable;
     if (own && (node.form == Form::polynomial || node.form == Form::linear || node.form == Form::cubic ||
                 node.form == Form::sine)) {
@@ -285,7 +297,8 @@ std::vector<double> ErrorFunction::knots(int variable, double lo, double hi) con
           const double knot = data[i * stride] + node.reference;
           if (node.periodic) {
             // thinned so that all the combs of this leaf together keep the limit
-            const double spacing = node.period * std::ceil(std::max(1.0, (last - first) / node.period * node.count / kMaxKnots));
+            const double spacing =
+                node.period * std::ceil(std::max(1.0, (last - first) / node.period * node.count / kMaxKnots));
             add_comb(found, knot, spacing, first, last);
           } else if (knot >= first && knot <= last) {
             found.push_back(knot);
@@ -296,7 +309,8 @@ std::vector<double> ErrorFunction::knots(int variable, double lo, double hi) con
       case Form::sine:
         // w v + phi = k pi / 8
         if (own && data[1] != 0) {
-          add_comb(found, node.reference - data[2] / data[1], std::numbers::pi / 8 / std::abs(data[1]), first, last);
+          add_comb(found, node.reference - data[2] / data[1], std::numbers::pi / 8 / std::abs(data[1]), first,
+                   last);
         }
         break;
       case Form::grid: {

@@ -50,10 +50,12 @@ class ErrorFunction {
   /// `period` 0: not periodic. Otherwise positions must span at most one period; a span of exactly
   /// one period needs equal end values.
   [[nodiscard]] static std::optional<ErrorFunction> table(int variable, std::vector<double> positions,
-                                                          std::vector<double> values, Interpolation interpolation,
-                                                          double reference = 0, double period = 0, Domain domain = {});
+                                                          std::vector<double> values,
+                                                          Interpolation interpolation, double reference = 0,
+                                                          double period = 0, Domain domain = {});
   [[nodiscard]] static std::optional<ErrorFunction> sine(int variable, double amplitude, double frequency,
-                                                         double phase, double reference = 0, Domain domain = {});
+                                                         double phase, double reference = 0,
+                                                         Domain domain = {});
   /// values: row-major, the last variable fastest.
   [[nodiscard]] static std::optional<ErrorFunction> grid(std::vector<int> variables,
                                                          std::vector<std::vector<double>> positions,
@@ -70,9 +72,9 @@ class ErrorFunction {
   template <class T>
   [[nodiscard]] T value(const T* variables, const signed char* approach, bool* outside) const;
 
-  [[nodiscard]] bool is_constant() const;               ///< no leaf depends on a variable
-  [[nodiscard]] bool is_directional() const;            ///< some node depends on the approach
-  [[nodiscard]] std::vector<int> variables() const;     ///< of the leaves (not of approach), increasing
+  [[nodiscard]] bool is_constant() const;            ///< no leaf depends on a variable
+  [[nodiscard]] bool is_directional() const;         ///< some node depends on the approach
+  [[nodiscard]] std::vector<int> variables() const;  ///< of the leaves (not of approach), increasing
 
   /// Positions of `variable` between which the function is close to quadratic: table nodes, grid
   /// lines, domain ends, sixteenths of sine periods; increasing, each once, lo <= knot <= hi, in the
@@ -90,19 +92,30 @@ class ErrorFunction {
   //   sine         A w phi
   //   grid         n_1 .. n_d, the d variables, the positions of each variable, the values (d = count)
   // The last record of a table is its end (t = 0); of a periodic one it is the first again, one period on.
-  enum class Form : std::uint8_t { constant, polynomial, linear, cubic, sine, grid, sum, product, directional };
+  enum class Form : std::uint8_t {
+    constant,
+    polynomial,
+    linear,
+    cubic,
+    sine,
+    grid,
+    sum,
+    product,
+    directional
+  };
   struct Node {
     Form form = Form::constant;
     bool periodic = false;
-    bool uniform = false;            ///< table positions equally spaced
-    int variable = -1;               ///< -1: none, or several (grid)
+    bool uniform = false;  ///< table positions equally spaced
+    int variable = -1;     ///< -1: none, or several (grid)
     double reference = 0;
-    double lo = -std::numeric_limits<double>::infinity(), hi = std::numeric_limits<double>::infinity();  ///< held beyond
+    double lo = -std::numeric_limits<double>::infinity(),
+           hi = std::numeric_limits<double>::infinity();  ///< held beyond
     double period = 0;
-    double inverse_step = 0;         ///< of uniform positions
-    std::uint32_t data = 0;          ///< first number in data()
-    std::uint32_t count = 0;         ///< coefficients, records, children or grid dimensions
-    std::uint32_t first_child = 0;   ///< in children()
+    double inverse_step = 0;        ///< of uniform positions
+    std::uint32_t data = 0;         ///< first number in data()
+    std::uint32_t count = 0;        ///< coefficients, records, children or grid dimensions
+    std::uint32_t first_child = 0;  ///< in children()
   };
   [[nodiscard]] std::span<const Node> nodes() const { return nodes_; }
   [[nodiscard]] std::span<const double> data() const { return data_; }
@@ -110,7 +123,8 @@ class ErrorFunction {
 
  private:
   template <class T>
-  [[nodiscard]] T node_value(const Node& node, const T* variables, const signed char* approach, bool* outside) const;
+  [[nodiscard]] T node_value(const Node& node, const T* variables, const signed char* approach,
+                             bool* outside) const;
   [[nodiscard]] static ErrorFunction leaf(Node node, std::vector<double> data);
   [[nodiscard]] static ErrorFunction inner(Node node, std::vector<ErrorFunction> children);
 

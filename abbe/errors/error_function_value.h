@@ -52,7 +52,8 @@ template <class T>
 }
 
 /// The record that holds x: the last one whose position (its first number) is not above x, or 0.
-[[nodiscard]] inline std::size_t segment(const double* records, std::size_t stride, std::size_t count, double x) {
+[[nodiscard]] inline std::size_t segment(const double* records, std::size_t stride, std::size_t count,
+                                         double x) {
   std::size_t base = 0;
   for (std::size_t left = count; left > 1;) {
     const std::size_t half = left / 2;
@@ -63,8 +64,8 @@ template <class T>
 }
 
 /// The same on equally spaced positions, for x between the first and the last one.
-[[nodiscard]] inline std::size_t uniform_segment(const double* records, std::size_t stride, std::size_t count, double x,
-                                                 double inverse_step) {
+[[nodiscard]] inline std::size_t uniform_segment(const double* records, std::size_t stride, std::size_t count,
+                                                 double x, double inverse_step) {
   const auto guess = static_cast<std::size_t>(static_cast<std::int64_t>((x - records[0]) * inverse_step));
   const std::size_t i = guess < count - 1 ? guess : count - 1;
   // Rounding may have put us one segment off.
@@ -76,7 +77,8 @@ template <class T>
 
 /// Multilinear over the d variables of a grid node.
 template <class T>
-[[nodiscard]] T grid_value(const double* data, std::size_t d, double reference, const T* variables, bool* outside) {
+[[nodiscard]] T grid_value(const double* data, std::size_t d, double reference, const T* variables,
+                           bool* outside) {
   std::array<std::size_t, kMaxGridVariables> cell{}, size{};
   std::array<T, kMaxGridVariables> fraction{};
   const double* positions = data + 2 * d;
@@ -125,7 +127,8 @@ T ErrorFunction::value(const T* variables, const signed char* approach, bool* ou
 }
 
 template <class T>
-T ErrorFunction::node_value(const Node& node, const T* variables, const signed char* approach, bool* outside) const {
+T ErrorFunction::node_value(const Node& node, const T* variables, const signed char* approach,
+                            bool* outside) const {
   namespace detail = error_function_detail;
   const double* const data = data_.data() + node.data;
   const std::size_t count = node.count;

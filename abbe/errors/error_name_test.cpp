@@ -5,7 +5,9 @@
 namespace abbe {
 namespace {
 
-ErrorName name(ErrorClass error_class, int direction, std::string axis) { return {error_class, direction, std::move(axis)}; }
+ErrorName name(ErrorClass error_class, int direction, std::string axis) {
+  return {error_class, direction, std::move(axis)};
+}
 
 TEST(ReadErrorName, ReadsEveryClass) {
   EXPECT_EQ(read_error_name("EXX"), name(ErrorClass::component, 0, "X"));
@@ -26,8 +28,9 @@ TEST(ReadErrorName, ReadsEveryClass) {
 
 TEST(ReadErrorName, RefusesEverythingElse) {
   for (const char* text :
-       {"", "E", "EX", "EXx", "EQX", "EQ0X", "XX", "X0", "X0t", "EX0t", "EX0w", "EX0", "E0X", "TX0X", "DX0X", "TXt", "DXw", "TX",
-        "EXXY", "EX1", "exx", "EXX ", " EXX", "EXX1a", "FXX", "EXtt", "T0X", "D0X", "EX00X", "EX\xc3\x84", "EC0", "C0"}) {
+       {"",     "E",     "EX",   "EXx",  "EQX", "EQ0X", "XX",    "X0",         "X0t", "EX0t", "EX0w",
+        "EX0",  "E0X",   "TX0X", "DX0X", "TXt", "DXw",  "TX",    "EXXY",       "EX1", "exx",  "EXX ",
+        " EXX", "EXX1a", "FXX",  "EXtt", "T0X", "D0X",  "EX00X", "EX\xc3\x84", "EC0", "C0"}) {
     EXPECT_FALSE(read_error_name(text).has_value()) << text;
   }
 }

@@ -27,7 +27,9 @@ struct Tridiagonal {
 };
 
 double step(std::span<const double> x, std::size_t i) { return x[i + 1] - x[i]; }
-double slope(std::span<const double> x, std::span<const double> e, std::size_t i) { return (e[i + 1] - e[i]) / step(x, i); }
+double slope(std::span<const double> x, std::span<const double> e, std::size_t i) {
+  return (e[i + 1] - e[i]) / step(x, i);
+}
 
 }  // namespace
 
