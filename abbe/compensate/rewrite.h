@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "abbe/chain/plan.h"
 #include "abbe/core/diagnostic.h"
@@ -21,6 +23,20 @@ struct RewriteJob {
   double tolerance = 1 * um;         ///< mm; half of it is spent on interpolation
   double max_correction = 500 * um;  ///< mm
   double max_gradient = 1e-3;        ///< mm per mm
+  std::vector<std::string> header;   ///< comment lines to put at the top, after '%' and the O word
+  std::uint64_t trace_line = 0;      ///< explain this line of the program; 0 = none
+};
+
+/// What happened to one block, for `abbe explain`.
+struct BlockTrace {
+  std::string frame;                              ///< "G54"
+  Vec3 frame_origin = Vec3::Zero(), g92 = Vec3::Zero(), tool_offset = Vec3::Zero(), datum = Vec3::Zero();  ///< mm
+  std::optional<int> tool;
+  double gauge_length = 0;                        ///< mm
+  Vec3 start = Vec3::Zero(), end = Vec3::Zero();  ///< axis commands of the original, mm
+  Vec3 correction = Vec3::Zero();                 ///< at the end, mm
+  std::string decision;                           ///< in words
+  std::string before, after;                      ///< text
 };
 
 struct RewriteReport {
@@ -39,6 +55,8 @@ struct RewriteReport {
   double max_gradient = 0;                       ///< mm per mm
   double cycle_residual = 0;                     ///< mm, inside canned cycles (rigid shift)
   double shortest_split = 0;                     ///< mm, 0 = nothing split
+  std::optional<BlockTrace> trace;
+  bool compensated_input = false;                ///< the input carries our mark
   bool out_of_volume = false;                    ///< some refusal is E-VOL or E-TRAVEL (exit code 5)
 };
 

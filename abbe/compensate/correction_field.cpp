@@ -1,0 +1,150 @@
+#include "abbe/compensate/correction_field.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace abbe {
+namespace {
+
+// Looked-at travel of an axis without a stated range, mm.
+constexpr double kOpenTravel = 3000;
+// More places than this along an axis are never looked at one by one.
+constexpr std::size_t kMaxKnots = 20000;
+// A command may leave its range by the rounding of its digits.
+constexpr double kTravelSlack = 1e-6;
+
+std::vector<double> knots_of(const Machine& machine, int axis) {
+  const double unit = machine.axis_unit(axis);
+  const auto& range = machine.axis(axis).range;
+  const double lo = (range ? (*range)[0] : -kOpenTravel) / unit, hi = (range ? (*range)[1] : kOpenTravel) / unit;
+  std::vector<double> all;
+  for (const auto& error : machine.errors) {
+    for (const double v : error.function.knots(axis, std::min(lo, hi), std::max(lo, hi))) all.push_back(v * unit);
+  }
+  std::sort(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end(), [](double a, double b) { return b - a < 1e-6; }), all.end());
+  if (all.size() > kMaxKnots) {
+    const std::size_t step = all.size() / kMaxKnots + 1;
+    std::vector<double> thinned;
+    for (std::size_t i = 0; i < all.size(); i += step) thinned.push_back(all[i]);
+    all = std::move(thinned);
+  }
+  return all;
+}
+
+}  // namespace
+
+std::optional<ProgramAxes> program_axes(const Machine& machine, char& missing) {
+  ProgramAxes axes;
+  for (int k = 0; k < 3; ++k) {
+    const char letter = "XYZ"[k];
+    int found = -1;
+    for (int i = 0; i < machine.axis_count(); ++i) {
+      const Body& body = machine.axis(i);
+      if (body.type == AxisType::linear && body.address.size() == 1 && body.address[0] == letter) found = i;
+    }
+    if (found < 0) {
+      missing = letter;
+      return std::nullopt;
+    }
+    axes.index[static_cast<std::size_t>(k)] = found;
+  }
+  return axes;
+}
+
+CorrectionField::CorrectionField(const Plan& plan, const ProgramAxes& axes, bool probed)
+    : plan_(plan), axes_(axes), probed_(probed), tool_(tool_of(plan.machine())) {
+  const Machine& machine = plan.machine();
+  AxisSet others = 0;
+  for (int i = 0; i < machine.axis_count(); ++i) others |= AxisSet{1} << i;
+  for (const int i : axes.index) others &= ~(AxisSet{1} << i);
+  for (unsigned withheld = 0; withheld < 8; ++withheld) {
+    AxisSet locked = others;
+    for (int k = 0; k < 3; ++k) {
+      if (withheld & (1u << k)) locked |= AxisSet{1} << axes.index[static_cast<std::size_t>(k)];
+    }
+    free_[withheld] = free_axes(machine, locked).value_or(0);
+  }
+  for (int k = 0; k < 3; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    range_[i] = machine.axis(axes.index[i]).range;
+    knots_[i] = knots_of(machine, axes.index[i]);
+  }
+  for (const auto& error : machine.errors) directional_ = directional_ || error.function.is_directional();
+  // A program is written with 0.1 um: a nanometre is far below its last digit.
+  options_.position_tolerance = 1 * nm;
+  refresh_datum();
+}
+
+Query CorrectionField::query(const Vec3& m) const {
+  Query query;
+  query.tool = tool_;
+  for (std::size_t k = 0; k < 3; ++k) query.q[static_cast<std::size_t>(axes_.index[k])] = m[static_cast<Eigen::Index>(k)];
+  return query;
+}
+
+void CorrectionField::set_tool(const Tool& tool) {
+  tool_ = tool;
+  refresh_datum();
+}
+
+void CorrectionField::set_datum_point(const Vec3& m0) {
+  datum_point_ = m0;
+  refresh_datum();
+}
+
+void CorrectionField::refresh_datum() {
+  options_.target_shift = Vec3::Zero();
+  last_offset_.fill(0);
+  if (!probed_) return;
+  const Query at_datum = query(datum_point_);
+  // D0 = tip_actual(m0) - tip_nominal(m0)
+  const Vec3 shift = actual_tip(plan_, at_datum) - nominal_tip(plan_, at_datum);
+  if (shift.allFinite()) options_.target_shift = shift;
+}
+
+CorrectionField::Answer CorrectionField::at(const Vec3& m, unsigned withheld, const std::array<signed char, 3>& approach) {
+  Answer answer;
+  answer.q = m;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!range_[k]) continue;
+    const double v = m[static_cast<Eigen::Index>(k)];
+    if (v < (*range_[k])[0] - kTravelSlack || v > (*range_[k])[1] + kTravelSlack) {
+      answer.trouble = Trouble::travel;
+      answer.axis = static_cast<int>(k);
+      return answer;
+    }
+  }
+  Query q = query(m);
+  for (std::size_t k = 0; k < 3; ++k) q.approach[static_cast<std::size_t>(axes_.index[k])] = approach[k];
+  std::array<double, kMaxAxes> start = q.q;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!(withheld & (1u << k))) start[static_cast<std::size_t>(axes_.index[k])] += last_offset_[k];
+  }
+  const Correction correction = correct(plan_, q, free_[withheld], options_, &start);
+  if (correction.status == Status::failed) {
+    answer.trouble = Trouble::failed;
+    return answer;
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double corrected = correction.corrected[static_cast<std::size_t>(axes_.index[k])];
+    answer.q[static_cast<Eigen::Index>(k)] = corrected;
+    if (!(withheld & (1u << k))) last_offset_[k] = corrected - m[static_cast<Eigen::Index>(k)];
+  }
+  if (correction.outside) {
+    answer.trouble = Trouble::outside;
+    return answer;
+  }
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!range_[k]) continue;
+    const double v = answer.q[static_cast<Eigen::Index>(k)];
+    if (v < (*range_[k])[0] - kTravelSlack || v > (*range_[k])[1] + kTravelSlack) {
+      answer.trouble = Trouble::travel;
+      answer.axis = static_cast<int>(k);
+      return answer;
+    }
+  }
+  return answer;
+}
+
+}  // namespace abbe

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <vector>
+
+#include "abbe/core/linear_algebra.h"
+
+namespace abbe {
+
+/// A place along a straight move: parameter 0..1 and the correction there.
+struct MoveSample {
+  double s = 0;
+  Vec3 correction = Vec3::Zero();
+};
+
+/// The fewest pieces of a straight move such that between their ends the correction differs from the
+/// straight line by at most `tolerance` (mm) at every sample. `samples` are in order, from s = 0 to s = 1.
+/// Gives the indices of the samples where a piece ends; the last one is samples.size() - 1.
+[[nodiscard]] std::vector<std::size_t> split_move(const std::vector<MoveSample>& samples, double tolerance);
+
+}  // namespace abbe

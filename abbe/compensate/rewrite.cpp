@@ -1,0 +1,81 @@
+#include "abbe/compensate/rewrite.h"
+
+#include <fmt/format.h>
+
+#include "abbe/compensate/rewriter.h"
+
+namespace abbe {
+namespace {
+
+constexpr std::size_t kBlock = std::size_t{1} << 16;
+constexpr std::uint64_t kLinesPerLook = 4096;
+
+Diagnostic whole_file(const std::string& name, const char* code, std::string message, const char* fix) {
+  Diagnostic d;
+  d.code = code;
+  d.place.file = name;
+  d.message = std::move(message);
+  d.fix = fix;
+  return d;
+}
+
+}  // namespace
+
+RewriteReport rewrite_program(const Plan& plan, const RewriteJob& job, SpoolFile& out, const Progress& progress) {
+  RewriteReport report;
+  char missing = 0;
+  const auto axes = program_axes(plan.machine(), missing);
+  if (!axes) {
+    report.diagnostics.push_back(whole_file(job.name, "E-MACHINE", fmt::format("the machine has no linear axis with the address {}", missing),
+                                            "describe X, Y and Z, or set `address` in the machine file"));
+    return report;
+  }
+  auto opened = LineReader::open(job.path);
+  if (auto* error = std::get_if<FileError>(&opened)) {
+    report.diagnostics.push_back(whole_file(job.name, "E-FILE", error->message, "check the path and the permissions"));
+    return report;
+  }
+  auto& reader = std::get<LineReader>(opened);
+  report.identity = reader.identity();
+  Rewriter rewriter(plan, *axes, job, report);
+  std::string text;
+  text.reserve(2 * kBlock);
+  bool written = true;
+  while (const auto line = reader.next()) {
+    rewriter.line(*line, reader.line_number(), reader.too_long(), text);
+    if (text.size() >= kBlock) {
+      // after a refusal nothing will be published: read on for the other findings only
+      if (!rewriter.findings().refused()) written = out.write(text);
+      text.clear();
+      if (!written) break;
+    }
+    if (progress && reader.line_number() % kLinesPerLook == 0 && !progress(reader.bytes_read(), report.identity.size)) {
+      report.stopped = true;
+      return report;
+    }
+  }
+  rewriter.finish(text);
+  report.lines_in = reader.line_number();
+  report.bytes_in = reader.bytes_read();
+  if (report.lines_in == 0) {
+    report.diagnostics.push_back(whole_file(job.name, "E-EMPTY", "the program is empty", "check that the right file is named"));
+    return report;
+  }
+  const bool refused = rewriter.findings().refused();
+  report.diagnostics = rewriter.findings().take();
+  if (reader.error()) {
+    report.diagnostics.push_back(whole_file(job.name, "E-FILE", reader.error()->message, "check the file and its medium"));
+    return report;
+  }
+  report.sha256_in = reader.sha256();
+  if (refused) return report;
+  if (written) written = out.write(text) && out.flush();
+  if (!written) {
+    report.diagnostics.push_back(whole_file(job.name, "E-WRITE", out.error() ? out.error()->message : "the output cannot be written", "free space, or name another folder"));
+    return report;
+  }
+  report.complete = true;
+  return report;
+}
+
+}  // namespace abbe

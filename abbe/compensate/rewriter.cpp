@@ -1,0 +1,188 @@
+#include "abbe/compensate/rewriter.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "abbe/core/number.h"
+
+namespace abbe {
+namespace {
+
+constexpr std::string_view kMark = "ABBE COMPENSATED";
+// Our mark stands in the header, never deeper.
+constexpr std::uint64_t kMarkLines = 40;
+
+}  // namespace
+
+Rewriter::Rewriter(const Plan& plan, const ProgramAxes& axes, const RewriteJob& job, RewriteReport& report)
+    : job_(job), report_(report), machine_(plan.machine()), field_(plan, axes, job.probed_datum), findings_(job.name),
+      interpolation_(job.tolerance / 2), angular_(machine_.has_angular_errors()), in_(job.setup.work_offsets),
+      out_(job.setup.work_offsets) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (!job.setup.start[k]) continue;
+    known_ |= 1u << k;
+    in_.m[static_cast<Eigen::Index>(k)] = out_.m[static_cast<Eigen::Index>(k)] = *job.setup.start[k];
+  }
+  change_tool(job.setup.loaded_tool);
+}
+
+void Rewriter::refuse(const Word& word, const char* code, std::string message, const char* why, const char* fix) {
+  findings_.add(Severity::error, code, number_, block_.text, word.begin, static_cast<std::size_t>(word.end - word.begin),
+                std::move(message), why, fix);
+}
+
+void Rewriter::refuse_block(const char* code, std::string message, const char* why, const char* fix) {
+  const std::size_t begin = block_.count > 0 ? block_.words[0].begin : 0;
+  findings_.add(Severity::error, code, number_, block_.text, begin, std::max<std::size_t>(1, block_.words_end - begin),
+                std::move(message), why, fix);
+}
+
+void Rewriter::warn(const char* code, std::string message, const char* why, const char* fix) {
+  findings_.add(Severity::warning, code, number_, block_.text, 0, 1, std::move(message), why, fix);
+}
+
+int Rewriter::decimals_of(const Word* word) const {
+  // 0.1 um in mm, 0.25 um in inch; a word that has more digits keeps them
+  const int profile = modal_.inch ? 5 : 4;
+  return word ? std::max<int>(profile, word->decimals) : profile;
+}
+
+double Rewriter::half_digit(int decimals) const {
+  static constexpr std::array<double, 10> kHalf = {0.5, 0.5e-1, 0.5e-2, 0.5e-3, 0.5e-4, 0.5e-5, 0.5e-6, 0.5e-7, 0.5e-8, 0.5e-9};
+  // the last part keeps a tie from being written again and again
+  return kHalf[static_cast<std::size_t>(std::min(decimals, 9))] * (1 + 1e-6);
+}
+
+void Rewriter::end_line(std::string& out, std::size_t begin) {
+  if (out.size() - begin > kMaxBlockBytes) {
+    refuse_block("E-LINELEN", fmt::format("the compensated block would have {} bytes, {} is the limit", out.size() - begin, kMaxBlockBytes),
+                 "the control refuses longer lines", "shorten the comment, or break the block into two");
+  }
+  out += eol_;
+  ++report_.lines_out;
+}
+
+void Rewriter::pass(std::string& out) {
+  out += block_.text;
+  out += eol_;
+  ++report_.lines_out;
+}
+
+void Rewriter::write_header(std::string& out) {
+  header_written_ = true;
+  const std::string_view eol = file_eol_.empty() ? std::string_view("\n") : std::string_view(file_eol_);
+  for (const auto& line : job_.header) {
+    out += line;
+    out += eol;
+    ++report_.lines_out;
+  }
+}
+
+void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long, std::string& out) {
+  number_ = number;
+  // A tape leader of NUL bytes is not part of the first line's text.
+  if (number == 1) {
+    const std::size_t leader = std::min(bytes.find_first_not_of('\0'), bytes.size());
+    out += bytes.substr(0, leader);
+    bytes.remove_prefix(leader);
+  }
+  const auto error = read_block(bytes, block_);
+  eol_ = block_.eol;
+  if (file_eol_.empty()) file_eol_ = std::string(eol_);
+  if (ended_) return pass(out);  // the control does not read on
+  if (too_long || error) {
+    findings_.add(error.value_or(BlockError{"E-LINELEN", kMaxBlockBytes, 1, "the line is longer than 64 KiB",
+                                            "the control refuses such lines", "break the block into several"}),
+                  number, block_.text);
+    return;
+  }
+  if (number <= kMarkLines && block_.text.find(kMark) != std::string_view::npos) {
+    report_.compensated_input = true;
+    findings_.add(Severity::error, "E-COMPENSATED", number, block_.text, block_.text.find(kMark), kMark.size(),
+                  "this program has been compensated already", "compensating twice doubles the correction",
+                  "use the original program");
+  }
+  if (block_.percent) {
+    if (!percent_seen_ && !any_block_) {
+      percent_first_ = percent_seen_ = true;
+    } else if (percent_first_) {
+      ended_ = true;
+    } else {
+      refuse_block("E-CHAR", "'%' in a program that does not start with '%'", "the control stops reading here", "remove it");
+    }
+    return pass(out);
+  }
+  const bool program_number = !any_block_ && block_.count == 1 && block_.words[0].letter == 'O' && !block_.slash;
+  if (!header_written_ && block_.count > 0 && !program_number) write_header(out);
+  if (block_.count > 0) any_block_ = true;
+  if (program_number) {
+    pass(out);
+    return write_header(out);
+  }
+  if (block_.count == 0) return pass(out);
+  if (block_.slash) {
+    using BlockDelete = ControlSetup::BlockDelete;
+    if (job_.setup.block_delete == BlockDelete::on) return pass(out);
+    if (job_.setup.block_delete == BlockDelete::unknown) {
+      refuse_block("E-SKIP", "a block with '/' runs or not, as the operator's switch stands",
+                   "the corrections that follow depend on it", "state it: --block-delete on (skipped) or off (executed)");
+      return;
+    }
+  }
+  if (!read_instruction(block_, modal_, number, findings_, instruction_)) return;
+  execute(out);
+}
+
+void Rewriter::execute(std::string& out) {
+  apply_modal(block_, instruction_, modal_);
+  edit_.reset(block_);
+  move_text_ = "no motion: copied";
+  const Vec3 start = in_.m;
+  const std::size_t out_begin = out.size();
+  bool done = false;
+  if (settings() && zero_group(out, done) && !done) {
+    if (!is_cycle(modal_.motion)) cycle_.code = -1;
+    const bool moves = instruction_.motion >= 0 && instruction_.motion != 800 &&
+                       (instruction_.moves_axes || is_arc(instruction_.motion) || (is_cycle(instruction_.motion)));
+    if (moves) {
+      ++report_.blocks.motion;
+      motion(out);
+    } else {
+      const std::size_t begin = out.size();
+      edit_.append_to(out);
+      end_line(out, begin);
+      if (edit_.changed()) ++report_.blocks.rewritten;
+    }
+  }
+  if (instruction_.ends) ended_ = true;
+  if (number_ == job_.trace_line) {
+    BlockTrace trace;
+    const int active = in_.frames.active();
+    trace.frame = active < 6 ? fmt::format("G{}", 54 + active) : fmt::format("G59.{}", active - 5);
+    if (const auto& work = in_.frames.work_offset(active)) trace.frame_origin = Vec3(work->origin[0], work->origin[1], work->origin[2]);
+    trace.g92 = in_.frames.g92();
+    trace.tool_offset = in_.frames.tool_offset();
+    trace.datum = field_.datum();
+    trace.tool = loaded_tool_;
+    trace.gauge_length = gauge_;
+    trace.start = start;
+    trace.end = in_.m;
+    trace.correction = out_.m - in_.m;
+    trace.decision = move_text_;
+    trace.before = std::string(block_.text);
+    trace.after = out.substr(out_begin);
+    report_.trace = std::move(trace);
+  }
+}
+
+void Rewriter::finish(std::string& out) {
+  if (!header_written_ && !job_.header.empty() && !findings_.refused()) write_header(out);
+  if (!ended_ && any_block_) {
+    findings_.add(Severity::warning, "W-END", 0, "", 0, 1, "the program ends without M2, M30 or a closing '%'",
+                  "LinuxCNC runs it to here and then reports an error", "end it with M2");
+  }
+}
+
+}  // namespace abbe

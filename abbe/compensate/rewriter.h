@@ -1,0 +1,157 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "abbe/compensate/arc.h"
+#include "abbe/compensate/correction_field.h"
+#include "abbe/compensate/line_edit.h"
+#include "abbe/compensate/line_split.h"
+#include "abbe/compensate/rewrite.h"
+#include "abbe/program/block.h"
+#include "abbe/program/findings.h"
+#include "abbe/program/frames.h"
+#include "abbe/program/modal.h"
+
+namespace abbe {
+
+/// Follows a program on two controls at once: the one that runs the original and the one that runs the
+/// output. Each line is read once, its effect on both is worked out, and the output line is written such
+/// that the second control stands at the corrected position. What the output's control believes is always
+/// what its words, as rounded, say: rounding never accumulates.
+class Rewriter {
+ public:
+  Rewriter(const Plan& plan, const ProgramAxes& axes, const RewriteJob& job, RewriteReport& report);
+
+  /// One line with its end-of-line bytes. Output lines are appended to `out`.
+  void line(std::string_view bytes, std::uint64_t number, bool too_long, std::string& out);
+  /// After the last line.
+  void finish(std::string& out);
+  [[nodiscard]] Findings& findings() { return findings_; }
+
+ private:
+  /// One of the two controls.
+  struct Side {
+    explicit Side(const std::array<std::optional<WorkOffset>, 9>& offsets) : frames(offsets) {}
+    Frames frames;
+    Vec3 m = Vec3::Zero();          ///< axis commands, mm; meaningless for unknown axes
+    Vec3 g92_saved = Vec3::Zero();
+    double cycle_level = 0;         ///< height before a series of cycles, program frame
+    [[nodiscard]] Vec3 p() const { return frames.to_program(m); }
+  };
+  struct Move {
+    Vec3 m0 = Vec3::Zero(), m1 = Vec3::Zero();  ///< of the original
+    unsigned known0 = 0, known1 = 0, named = 0;
+  };
+
+  // rewriter.cpp: lines and blocks
+  void execute(std::string& out);
+  void pass(std::string& out);
+  void write_header(std::string& out);
+  void refuse(const Word& word, const char* code, std::string message, const char* why, const char* fix);
+  void refuse_block(const char* code, std::string message, const char* why, const char* fix);
+  void warn(const char* code, std::string message, const char* why, const char* fix);
+  void end_line(std::string& out, std::size_t begin);
+
+  // rewriter_setting.cpp: tools and frames
+  bool settings();
+  bool change_tool(std::optional<int> number);
+  bool tool_length();
+  bool zero_group(std::string& out, bool& done);
+  bool set_g92();
+  bool set_work_offset();
+  void refresh_datum();
+
+  // rewriter_motion.cpp: lines and rapids
+  void motion(std::string& out);
+  bool read_move(Move& move);
+  void straight(const Move& move, std::string& out);
+  void uncorrected(const Move& move, std::string& out);
+  bool corrected_end(const Move& move, const std::array<signed char, 3>& approach, Vec3& q);
+  bool sample_line(const Move& move, const Vec3& end_correction, const std::array<signed char, 3>& approach);
+  std::optional<Vec3> correction_at(const Vec3& m, unsigned withheld, const std::array<signed char, 3>& approach);
+  bool feed_allowed(const Move& move);
+  void note_correction(const Vec3& m, const Vec3& c);
+  /// A number for a word: what stands there if that is right to half its last digit, else a rounded one.
+  struct Value {
+    double number = 0;     ///< program units
+    bool written = false;  ///< differs from what is in force
+  };
+  [[nodiscard]] Value value_for(double wanted, const Word* word, double present, int decimals) const;
+  /// Where axis k stands after commanding it to `want` (mm) from p_out.
+  [[nodiscard]] Value axis_value(int k, const Vec3& want, const Vec3& p_out, bool first, double& base) const;
+  void put(char letter, const Word* word, double number, int decimals, bool first, std::string* extra);
+  /// Commands program position `want` (output side); the first piece edits the line, others add blocks.
+  /// Axes in `skip` (bits) are left alone.
+  void command(const Vec3& want, bool first, Vec3& p_out, std::string* extra, unsigned skip = 0);
+  void put_feed_share(double fraction, bool first, std::string* extra);
+  void stops_to_last(bool first, std::string* extra);
+
+  // rewriter_arc.cpp
+  void arc(const Move& move, std::string& out);
+  std::optional<Arc> nominal_arc(const Move& move, const Vec3& p0, const Vec3& p1);
+  struct ArcPiece {
+    double s0 = 0, s1 = 1;
+    Vec3 end = Vec3::Zero();   ///< wanted, output program coordinates
+    Centre centre;
+    bool keeps_radius = false;
+  };
+  bool fit_piece(const Arc& nominal, double s0, double s1, const Vec3& start, bool whole, ArcPiece& piece);
+  Vec3 rounded_end(const Vec3& want, const Vec3& p_out, bool first) const;
+  [[nodiscard]] Value centre_value(int k, double centre, const Vec3& start, bool first, double& base) const;
+  void command_centre(const ArcPiece& piece, const Vec3& start, bool first, std::string* extra);
+
+  // rewriter_cycle.cpp
+  void cycle(std::string& out);
+
+  [[nodiscard]] int decimals_of(const Word* word) const;
+  [[nodiscard]] double half_digit(int decimals) const;  ///< program units
+  [[nodiscard]] const Word* axis_word(int axis) const { return instruction_.find(block_, "XYZ"[axis]); }
+
+  const RewriteJob& job_;
+  RewriteReport& report_;
+  const Machine& machine_;
+  CorrectionField field_;
+  Findings findings_;
+  double interpolation_;          ///< mm
+  bool angular_;
+
+  Block block_;
+  Instruction instruction_;
+  ModalState modal_;
+  std::uint64_t number_ = 0;
+  std::string_view eol_;
+  std::string file_eol_;
+  LineEdit edit_;
+
+  Side in_, out_;                 ///< the control of the original, of the output
+  unsigned known_ = 0, withheld_ = 0;
+  bool start_corrected_ = false;  ///< the output stands where the correction wants it
+  std::optional<Vec3> last_correction_;  ///< at in_.m, for the current datum
+  std::array<signed char, 3> approach_{};
+  std::optional<int> selected_tool_, loaded_tool_;
+  double gauge_ = 0;
+  bool saved_g92_ = false;
+  bool datum_dirty_ = true;
+  std::array<bool, 9> frame_reported_{};
+
+  bool percent_first_ = false, percent_seen_ = false, any_block_ = false, ended_ = false, header_written_ = false;
+  bool blank_only_ = true;
+
+  struct Cycle {
+    GCode code = -1;
+    double r = 0, z = 0;          ///< sticky words of the original, program units
+    double r_out = 0, z_out = 0;  ///< of the output
+  } cycle_;
+
+  std::vector<MoveSample> samples_;
+  std::vector<ArcTarget> targets_;
+  std::string scratch_;
+  std::string move_text_;         ///< decision in words, for the trace
+};
+
+}  // namespace abbe

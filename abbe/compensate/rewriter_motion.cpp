@@ -1,0 +1,392 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "abbe/compensate/rewriter.h"
+#include "abbe/core/number.h"
+
+namespace abbe {
+namespace {
+
+// Long moves are looked at least this often, mm.
+constexpr double kSampleSpacing = 10;
+// Between places closer than this no further one is looked at, mm.
+constexpr double kFineSpacing = 2;
+constexpr std::size_t kMaxUniform = 64;
+// The gradient between two points closer than this is dominated by rounding, mm.
+constexpr double kGradientBase = 0.05;
+constexpr double kSameWay = 1e-9;
+
+}  // namespace
+
+// Where the original goes: words are program coordinates (G53: machine coordinates), G91 from where it stands.
+bool Rewriter::read_move(Move& move) {
+  move.m0 = move.m1 = in_.m;
+  move.known0 = move.known1 = known_;
+  for (int k = 0; k < 3; ++k) move.named |= axis_word(k) ? 1u << k : 0u;
+  if (instruction_.zero == 530) {
+    if (modal_.incremental) {
+      refuse_block("E-G53", "G53 in G91", "controls differ on what incremental machine coordinates mean", "write G90 before");
+      return false;
+    }
+    for (int k = 0; k < 3; ++k) {
+      if (const Word* word = axis_word(k)) move.m1[k] = word->value * modal_.unit();
+    }
+    move.known1 |= move.named;
+    return true;
+  }
+  const Frames& frames = in_.frames;
+  if (!frames.known()) {
+    const auto active = static_cast<std::size_t>(frames.active());
+    if (!frame_reported_[active]) {
+      frame_reported_[active] = true;
+      const std::string name = active < 6 ? fmt::format("G{}", 54 + active) : fmt::format("G59.{}", active - 5);
+      refuse_block("E-WCS", fmt::format("the work offset {} is not known", name), "where on the machine the program runs, and so how large the errors are, depends on it",
+                   "give it: --offset G54=X..,Y..,Z.. (to about 1 mm), or the control's parameter file with --var");
+    }
+    return false;
+  }
+  Vec3 p = frames.to_program(in_.m);
+  for (int k = 0; k < 3; ++k) {
+    const Word* word = axis_word(k);
+    if (!word) continue;
+    p[k] = word->value * modal_.unit() + (modal_.incremental ? p[k] : 0.0);
+  }
+  move.m1 = frames.to_machine(p);
+  if (!modal_.incremental) move.known1 |= move.named;
+  // A rotated frame mixes X and Y: one is known only with the other.
+  if (frames.rotated() && (move.known1 & 3u) != 3u) move.known1 &= ~3u;
+  // Axes that are not named stay exactly where they are.
+  for (int k = 0; k < 3; ++k) {
+    if (!(move.named & (1u << k)) && !(frames.rotated() && k < 2)) move.m1[k] = in_.m[k];
+  }
+  return true;
+}
+
+void Rewriter::motion(std::string& out) {
+  if (is_cycle(instruction_.motion)) return cycle(out);
+  Move move;
+  if (!read_move(move)) return;
+  refresh_datum();
+  const bool machine_frame = instruction_.zero == 530;
+  if (machine_frame) {
+    withheld_ |= move.named;
+    for (int k = 0; k < 3; ++k) {
+      if (move.named & (1u << k)) out_.m[k] = move.m1[k];
+    }
+    if (instruction_.motion == 10 && (move.known0 & move.named) != move.named) {
+      refuse_block("E-POS", "a feed move from an unknown position", "the path cannot be followed", "begin with G0, or give the position with --start");
+      return;
+    }
+    ++report_.blocks.passed;
+    move_text_ = "G53: machine coordinates are copied; these axes are corrected again when the program commands them";
+    pass(out);
+  } else if (is_arc(instruction_.motion)) {
+    withheld_ &= ~move.named;
+    return arc(move, out);
+  } else if (move.known1 != 7) {
+    uncorrected(move, out);
+  } else {
+    withheld_ &= ~move.named;
+    straight(move, out);
+    return;
+  }
+  in_.m = move.m1;
+  known_ = move.known1;
+  last_correction_.reset();
+  start_corrected_ = false;
+}
+
+void Rewriter::uncorrected(const Move& move, std::string& out) {
+  if (instruction_.motion != 0) {
+    refuse_block("E-POS", "a feed move while the position of an axis is not known", "the correction depends on all three axes",
+                 "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z..");
+  }
+  // The words stand as they are; only they say where the output goes.
+  Vec3 p = out_.p();
+  for (int k = 0; k < 3; ++k) {
+    if (const Word* word = axis_word(k)) p[k] = word->value * modal_.unit() + (modal_.incremental ? p[k] : 0.0);
+  }
+  const Vec3 m = out_.frames.to_machine(p);
+  for (int k = 0; k < 3; ++k) {
+    if ((move.named & (1u << k)) || (out_.frames.rotated() && k < 2)) out_.m[k] = m[k];
+  }
+  ++report_.blocks.passed;
+  move_text_ = "the position of an axis is not known yet: the rapid is copied";
+  pass(out);
+}
+
+bool Rewriter::feed_allowed(const Move& move) {
+  if (move.known0 != 7) {
+    refuse_block("E-POS", "a feed move from a position that is not known", "the path, and so its correction, cannot be followed",
+                 "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z..");
+    return false;
+  }
+  if (modal_.feed_mode == 930 && !instruction_.find(block_, 'F')) {
+    refuse_block("E-FEED", "inverse time (G93) without F in the block", "the control refuses it", "add F to the block");
+    return false;
+  }
+  return true;
+}
+
+void Rewriter::note_correction(const Vec3& m, const Vec3& c) {
+  for (int k = 0; k < 3; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    if (std::abs(c[k]) <= report_.max_correction[i]) continue;
+    report_.max_correction[i] = std::abs(c[k]);
+    report_.max_line[i] = number_;
+  }
+  if (c.norm() > job_.max_correction) {
+    refuse_block("E-CORRECTION", fmt::format("the correction is {:.1f} um, {:.0f} um is the limit", c.norm() / um, job_.max_correction / um),
+                 "so large a correction is usually a wrong unit, sign or offset", "check the machine file; --max-correction-um raises the limit");
+  }
+  if (last_correction_) {
+    const double way = (m - in_.m).norm();
+    if (way > kGradientBase) {
+      const double gradient = (c - *last_correction_).norm() / way;
+      report_.max_gradient = std::max(report_.max_gradient, gradient);
+      if (gradient > job_.max_gradient) {
+        refuse_block("E-GRADIENT", fmt::format("the correction changes by {:.2f} mm per m, {:.2f} is the limit", gradient * 1e3, job_.max_gradient * 1e3),
+                     "no machine is that crooked: a table has a step, or a unit is wrong", "check the error tables of the machine file");
+      }
+    }
+  }
+}
+
+std::optional<Vec3> Rewriter::correction_at(const Vec3& m, unsigned withheld, const std::array<signed char, 3>& approach) {
+  const auto answer = field_.at(m, withheld, approach);
+  using Trouble = CorrectionField::Trouble;
+  switch (answer.trouble) {
+    case Trouble::none:
+      return Vec3(answer.q - m);
+    case Trouble::travel:
+      report_.out_of_volume = true;
+      refuse_block("E-TRAVEL", fmt::format("{} {:.4f} mm: outside the travel of the axis", "XYZ"[answer.axis], answer.q[answer.axis]),
+                   "the control would stop there, or the machine file's range is wrong", "check the work offset (--offset) and `range` in the machine file");
+      return std::nullopt;
+    case Trouble::outside:
+      report_.out_of_volume = true;
+      refuse_block("E-VOL", fmt::format("X {:.3f} Y {:.3f} Z {:.3f} mm: outside the calibrated volume", m.x(), m.y(), m.z()),
+                   "beyond the measured range the errors are not known", "check the work offset (--offset), or measure a larger volume");
+      return std::nullopt;
+    case Trouble::failed:
+      break;
+  }
+  refuse_block("E-SOLVE", fmt::format("no correction was found at X {:.3f} Y {:.3f} Z {:.3f} mm", m.x(), m.y(), m.z()),
+               "the errors of the machine file are too large or not finite there", "check the machine file with `abbe predict`");
+  return std::nullopt;
+}
+
+// Looks along a move: where tables have their nodes, and evenly.
+bool Rewriter::sample_line(const Move& move, const Vec3& end_correction, const std::array<signed char, 3>& approach) {
+  samples_.clear();
+  const Vec3 way = move.m1 - move.m0;
+  const double length = way.norm();
+  samples_.push_back({0, Vec3::Zero()});
+  const auto uniform = std::clamp(static_cast<std::size_t>(std::ceil(length / kSampleSpacing)), std::size_t{2}, kMaxUniform);
+  for (std::size_t i = 1; i < uniform; ++i) samples_.push_back({static_cast<double>(i) / static_cast<double>(uniform), Vec3::Zero()});
+  for (int k = 0; k < 3; ++k) {
+    if (std::abs(way[k]) < kFineSpacing / 10) continue;
+    const auto& knots = field_.knots(k);
+    const double lo = std::min(move.m0[k], move.m1[k]), hi = std::max(move.m0[k], move.m1[k]);
+    for (auto it = std::upper_bound(knots.begin(), knots.end(), lo); it != knots.end() && *it < hi; ++it) {
+      samples_.push_back({(*it - move.m0[k]) / way[k], Vec3::Zero()});
+    }
+  }
+  samples_.push_back({1, end_correction});
+  std::sort(samples_.begin(), samples_.end(), [](const MoveSample& a, const MoveSample& b) { return a.s < b.s; });
+  // between two places the function is close to quadratic: its middle is where the chord is farthest
+  const std::size_t places = samples_.size();
+  for (std::size_t i = 0; i + 1 < places; ++i) {
+    if ((samples_[i + 1].s - samples_[i].s) * length > kFineSpacing) samples_.push_back({(samples_[i].s + samples_[i + 1].s) / 2, Vec3::Zero()});
+  }
+  std::sort(samples_.begin(), samples_.end(), [](const MoveSample& a, const MoveSample& b) { return a.s < b.s; });
+  for (auto& sample : samples_) {
+    if (sample.s >= 1) {
+      sample.correction = end_correction;
+      continue;
+    }
+    const auto c = correction_at(move.m0 + sample.s * way, withheld_, approach);
+    if (!c) return false;
+    sample.correction = *c;
+  }
+  return true;
+}
+
+void Rewriter::put_feed_share(double fraction, bool first, std::string* extra) {
+  const Word* f = instruction_.find(block_, 'F');
+  if (modal_.feed_mode != 930 || !f || fraction >= 1) return;
+  scratch_.clear();
+  append_fixed(scratch_, f->value / fraction, std::max<int>(f->decimals, 4));
+  if (first) {
+    edit_.replace(*f, scratch_);
+  } else {
+    *extra += " F" + scratch_;
+  }
+}
+
+// What ends or stops the program happens after the motion: on a split block after the last piece.
+void Rewriter::stops_to_last(bool first, std::string* extra) {
+  if (!instruction_.stops) return;
+  for (int i = 0; i < block_.count; ++i) {
+    const Word& word = block_.words[static_cast<std::size_t>(i)];
+    if (word.letter != 'M' || !stops_after_motion(static_cast<int>(word.value))) continue;
+    if (first) {
+      edit_.remove(word);
+    } else {
+      *extra += ' ';
+      *extra += block_.text.substr(word.begin, static_cast<std::size_t>(word.end - word.begin));
+    }
+  }
+}
+
+Rewriter::Value Rewriter::value_for(double wanted, const Word* word, double present, int decimals) const {
+  const double stands = word ? word->value : present;
+  if (std::abs(wanted - stands) <= half_digit(decimals)) return {stands, false};
+  return {rounded(wanted, decimals), true};
+}
+
+Rewriter::Value Rewriter::axis_value(int k, const Vec3& want, const Vec3& p_out, bool first, double& base) const {
+  const Word* named = axis_word(k);
+  const Word* word = first ? named : nullptr;
+  base = modal_.incremental ? p_out[k] : 0.0;
+  const double present = modal_.incremental ? 0.0 : p_out[k] / modal_.unit();
+  // An axis that G53 commanded gets no word of ours.
+  if (!word && (withheld_ & (1u << k))) return {present, false};
+  return value_for((want[k] - base) / modal_.unit(), word, present, decimals_of(named));
+}
+
+void Rewriter::put(char letter, const Word* word, double number, int decimals, bool first, std::string* extra) {
+  scratch_.clear();
+  append_fixed(scratch_, number, decimals);
+  if (word) {
+    edit_.replace(*word, scratch_);
+  } else if (first) {
+    edit_.add(letter, scratch_);
+  } else {
+    *extra += ' ';
+    *extra += letter;
+    *extra += scratch_;
+  }
+}
+
+void Rewriter::command(const Vec3& want, bool first, Vec3& p_out, std::string* extra, unsigned skip) {
+  for (int k = 0; k < 3; ++k) {
+    if (skip & (1u << k)) continue;
+    double base = 0;
+    const Word* named = axis_word(k);
+    const Word* word = first ? named : nullptr;
+    const Value value = axis_value(k, want, p_out, first, base);
+    if (value.written) put("XYZ"[k], word, value.number, decimals_of(named), first, extra);
+    if (value.written || word) p_out[k] = base + value.number * modal_.unit();
+  }
+}
+
+void Rewriter::straight(const Move& move, std::string& out) {
+  const bool feed = instruction_.motion == 10;
+  if (feed && !feed_allowed(move)) return;
+  const Vec3 way = move.m1 - move.m0;
+  std::array<signed char, 3> approach{};
+  bool turned = false;
+  if (job_.reversal) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double d = move.known0 == 7 ? way[static_cast<Eigen::Index>(k)] : 0.0;
+      approach[k] = d > kSameWay ? 1 : d < -kSameWay ? -1 : approach_[k];
+    }
+    turned = approach != approach_;
+    approach_ = approach;
+  }
+  if (out_.frames.rotated() && (withheld_ & 3u)) {
+    refuse_block("E-ROTATION", "X or Y stands in machine coordinates in a rotated work offset", "its correction cannot be withheld there", "command X and Y after G53");
+    return;
+  }
+  const auto c1 = correction_at(move.m1, withheld_, approach);
+  if (!c1) return;
+  if (feed && withheld_ != 0) {
+    const auto full = correction_at(move.m1, 0, approach);
+    if (!full) return;
+    for (int k = 0; k < 3; ++k) {
+      if (!(withheld_ & (1u << k)) || std::abs((*full)[k]) <= job_.tolerance) continue;
+      refuse_block("E-POS", fmt::format("a feed move while {} stands where G53 put it, without its correction of {:.1f} um", "XYZ"[k], (*full)[k] / um),
+                   "a word is not added to an axis that the program commanded in machine coordinates", "command the axis in the work offset first");
+      return;
+    }
+  }
+  note_correction(move.m1, *c1);
+
+  // Pieces of a feed move between which the correction goes straight.
+  std::vector<std::size_t> ends;
+  bool takes_up = false;
+  if (feed) {
+    const double length = way.norm();
+    const bool look = length > 2 * interpolation_ / job_.max_gradient || (turned && field_.depends_on_direction());
+    if (look) {
+      if (!sample_line(move, *c1, approach)) return;
+      takes_up = turned && start_corrected_ && field_.depends_on_direction() &&
+                 (move.m0 + samples_.front().correction - out_.m).norm() > interpolation_;
+      if (takes_up && modal_.feed_mode == 930) {
+        refuse_block("E-REVERSAL", "lost motion must be taken up in an inverse-time (G93) block", "the extra block would need a time of its own", "post with G94");
+        return;
+      }
+      ends = split_move(samples_, interpolation_);
+    }
+  }
+  Vec3 p_out = out_.p();
+  const std::size_t pieces = std::max<std::size_t>(1, ends.size()) + (takes_up ? 1 : 0);
+  double s0 = 0;
+  std::string extra, tail;
+  for (std::size_t j = 0; j < pieces; ++j) {
+    const bool first = j == 0, last = j + 1 == pieces;
+    double s = 1;
+    Vec3 c = *c1;
+    if (!last || takes_up) {
+      const std::size_t index = takes_up ? (j == 0 ? 0 : ends[j - 1]) : ends[j];
+      s = samples_[index].s;
+      c = samples_[index].correction;
+    }
+    const Vec3 want = out_.frames.to_program(last ? Vec3(move.m1 + *c1) : Vec3(move.m0 + s * way + c));
+    extra.clear();
+    command(want, first, p_out, &extra);
+    put_feed_share(s - s0, first, &extra);
+    if (pieces > 1 && first) stops_to_last(true, nullptr);
+    if (pieces > 1 && last) stops_to_last(false, &extra);
+    if (!first) {
+      if (extra.empty()) continue;  // the rounded end is where the last piece went
+      tail += block_.slash ? "/" : "";
+      tail += extra.substr(block_.slash ? 0 : 1);
+      tail += last ? eol_ : (file_eol_.empty() ? std::string_view("\n") : std::string_view(file_eol_));
+      ++report_.lines_out;
+      const double piece = (s - s0) * way.norm();
+      if (report_.shortest_split == 0 || piece < report_.shortest_split) report_.shortest_split = piece;
+    }
+    s0 = s;
+  }
+  const std::size_t begin = out.size();
+  edit_.append_to(out);
+  if (pieces > 1) {
+    const std::string_view line_eol = eol_;
+    if (!tail.empty()) eol_ = file_eol_.empty() ? std::string_view("\n") : std::string_view(file_eol_);
+    end_line(out, begin);
+    eol_ = line_eol;
+    out += tail;
+    ++report_.blocks.split;
+  } else {
+    end_line(out, begin);
+  }
+  if (edit_.changed()) ++report_.blocks.rewritten;
+  if (number_ == job_.trace_line) {
+    move_text_ = pieces > 1 ? fmt::format("feed move in {} pieces: the correction bends along it", pieces)
+                            : (feed ? "feed move: one piece is straight enough" : "rapid: its end is corrected");
+  }
+  out_.m = out_.frames.to_machine(p_out);
+  for (int k = 0; k < 3; ++k) {
+    if (withheld_ & (1u << k)) out_.m[k] = move.m1[k];
+  }
+  in_.m = move.m1;
+  known_ = move.known1;
+  last_correction_ = withheld_ == 0 ? c1 : std::nullopt;
+  start_corrected_ = withheld_ == 0;
+}
+
+}  // namespace abbe

@@ -1,0 +1,268 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "abbe/compensate/rewriter.h"
+#include "abbe/core/number.h"
+#include "abbe/core/units.h"
+
+namespace abbe {
+namespace {
+
+std::optional<int> whole(const Word* word) {
+  if (!word || word->value < 0 || word->value > 1e6 || word->value != std::floor(word->value)) return std::nullopt;
+  return static_cast<int>(word->value);
+}
+
+int frame_of(GCode wcs) { return wcs <= 590 ? (wcs - 540) / 10 : wcs - 585; }
+
+}  // namespace
+
+bool Rewriter::change_tool(std::optional<int> number) {
+  loaded_tool_ = number;
+  const GaugeLength gauge = gauge_length(job_.setup, machine_, number);
+  gauge_ = gauge.length;
+  field_.set_tool(tool_of(machine_, gauge.length));
+  last_correction_.reset();
+  datum_dirty_ = true;
+  if (gauge.touch_off && angular_) {
+    refuse_block("E-GAUGE", fmt::format("tool {}: the table's Z offset {:.4f} is a touch-off value, not a gauge length",
+                                        number.value_or(0), gauge.length),
+                 "the machine's angular errors act through the tool's length",
+                 "give the gauge length: --gauge T3=112.4, or gauge=112.4 in the tool table's comment");
+    return false;
+  }
+  if (gauge.source == GaugeLength::Source::machine_file && number && angular_) {
+    warn("W-GAUGE", fmt::format("tool {} has no known gauge length: the machine file's {:.4f} mm is used", *number, gauge.length),
+         "the machine's angular errors act through the tool's length", "give it: --gauge T3=112.4");
+  }
+  return true;
+}
+
+bool Rewriter::settings() {
+  if (const Word* t = instruction_.find(block_, 'T')) {
+    const auto number = whole(t);
+    if (!number) {
+      refuse(*t, "E-TOOL", "a tool number is a whole number", "the tool in the spindle is not known otherwise", "correct it");
+      return false;
+    }
+    selected_tool_ = number;
+  }
+  if (instruction_.set_tool) {
+    const auto number = whole(instruction_.find(block_, 'Q'));
+    if (!number) {
+      refuse_block("E-TOOL", "M61 without a tool number Q", "the tool in the spindle is not known", "write M61 Q1");
+      return false;
+    }
+    if (!change_tool(number)) return false;
+  }
+  if (instruction_.tool_change) {
+    if (!selected_tool_) {
+      refuse_block("E-TOOL", "M6 without a tool selected by T", "the tool in the spindle is not known", "write T1 M6");
+      return false;
+    }
+    if (!change_tool(selected_tool_)) return false;
+  }
+  if (instruction_.tool_length >= 0 && !tool_length()) return false;
+  if (instruction_.wcs >= 0) {
+    in_.frames.select(frame_of(instruction_.wcs));
+    out_.frames.select(frame_of(instruction_.wcs));
+    datum_dirty_ = true;
+  }
+  return true;
+}
+
+bool Rewriter::tool_length() {
+  Vec3 tlo = in_.frames.tool_offset();
+  if (instruction_.tool_length == 490) {
+    tlo.setZero();
+  } else if (instruction_.tool_length == 431) {
+    for (int k = 0; k < 3; ++k) {
+      if (const Word* word = axis_word(k)) tlo[k] = word->value * modal_.unit();
+    }
+  } else {
+    const Word* h = instruction_.find(block_, 'H');
+    const auto number = h ? whole(h) : loaded_tool_;
+    const auto entry = number ? job_.setup.tools.find(*number) : job_.setup.tools.end();
+    if (entry == job_.setup.tools.end()) {
+      const std::string what = number ? fmt::format("tool {} is in no tool table", *number) : std::string("G43 without H and without a tool in the spindle");
+      refuse_block("E-TOOL", what, "the control would move by an offset that is not known here",
+                   "give the control's tool table: --tools tool.tbl");
+      return false;
+    }
+    tlo = Vec3(entry->second.offset[0], entry->second.offset[1], entry->second.offset[2]);
+  }
+  in_.frames.set_tool_offset(tlo);
+  out_.frames.set_tool_offset(tlo);
+  datum_dirty_ = true;
+  return true;
+}
+
+void Rewriter::refresh_datum() {
+  if (!datum_dirty_) return;
+  datum_dirty_ = false;
+  field_.set_datum_point(in_.frames.datum_point());
+  last_correction_.reset();
+}
+
+bool Rewriter::zero_group(std::string& out, bool& done) {
+  const auto copy = [&] {
+    pass(out);
+    done = true;
+    return true;
+  };
+  switch (instruction_.zero) {
+    case 280:
+    case 300: {
+      // The reference position is the control's own: nothing is known of these axes afterwards.
+      unsigned named = 0;
+      for (int k = 0; k < 3; ++k) named |= axis_word(k) ? 1u << k : 0u;
+      if (named == 0) named = 7;
+      known_ &= ~named;
+      withheld_ &= ~named;
+      last_correction_.reset();
+      start_corrected_ = false;
+      ++report_.blocks.passed;
+      move_text_ = "reference position: copied; these axes are unknown until they are commanded again";
+      return copy();
+    }
+    case 520:
+      for (auto* side : {&in_, &out_}) {
+        Vec3 g92 = side->frames.g92();
+        for (int k = 0; k < 3; ++k) {
+          if (const Word* word = axis_word(k)) g92[k] = word->value * modal_.unit();
+        }
+        side->frames.set_g92(g92);
+        side->g92_saved = g92;
+      }
+      saved_g92_ = true;
+      return copy();
+    case 920:
+      return set_g92();
+    case 921:
+    case 922:
+      for (auto* side : {&in_, &out_}) {
+        if (instruction_.zero == 921) side->g92_saved.setZero();
+        side->frames.set_g92(Vec3::Zero());
+      }
+      saved_g92_ = saved_g92_ || instruction_.zero == 921;
+      return true;
+    case 923:
+      if (!saved_g92_) {
+        refuse_block("E-G92", "G92.3 restores an offset from before this program", "its value is not known here",
+                     "set it in the program with G92 or G52");
+        return false;
+      }
+      for (auto* side : {&in_, &out_}) side->frames.set_g92(side->g92_saved);
+      return true;
+    case 100:
+      return set_work_offset();
+    default:
+      return true;
+  }
+}
+
+// G92 X v at a corrected position becomes v + c: the frame afterwards is the same in both programs.
+bool Rewriter::set_g92() {
+  if (!instruction_.moves_axes) {
+    refuse_block("E-G92", "G92 without an axis word", "it has no meaning", "remove it, or name an axis");
+    return false;
+  }
+  Vec3 g92_in = in_.frames.g92(), g92_out = out_.frames.g92();
+  const Vec3 p_in = in_.p(), p_out = out_.p();
+  const unsigned needed = in_.frames.rotated() ? 3u : 0u;
+  for (int k = 0; k < 3; ++k) {
+    const Word* word = axis_word(k);
+    if (!word) continue;
+    const unsigned need = (1u << k) | (k < 2 ? needed : 0u);
+    if ((known_ & need) != need || !in_.frames.known()) {
+      refuse(*word, "E-POS", fmt::format("G92 {}: where the axis stands is not known", "XYZ"[k]),
+             "the new frame depends on it", "command the axis before, or give its position with --start");
+      return false;
+    }
+    // p + g92 = const: g92' = g92 + p - v
+    g92_in[k] += p_in[k] - word->value * modal_.unit();
+    const int decimals = decimals_of(word) + 2;
+    double v = word->value + (p_out[k] - p_in[k]) / modal_.unit();
+    if (std::abs(v - word->value) > half_digit(decimals)) {
+      scratch_.clear();
+      v = append_fixed(scratch_, v, decimals);
+      edit_.replace(*word, scratch_);
+    } else {
+      v = word->value;
+    }
+    g92_out[k] += p_out[k] - v * modal_.unit();
+  }
+  in_.frames.set_g92(g92_in);
+  out_.frames.set_g92(g92_out);
+  in_.g92_saved = g92_in;
+  out_.g92_saved = g92_out;
+  saved_g92_ = true;
+  move_text_ = "G92: the present correction is added to its values, so that both programs have the same frame";
+  return true;
+}
+
+bool Rewriter::set_work_offset() {
+  const auto l = whole(instruction_.find(block_, 'L'));
+  const auto p = whole(instruction_.find(block_, 'P'));
+  const Word* rotation = instruction_.find(block_, 'R');
+  if (l != 2 && l != 20) {
+    refuse_block("E-G10", "only G10 L2 and G10 L20 are followed", "other forms change the control's tool data", "set tool data outside the program");
+    return false;
+  }
+  if (!p || *p > 9 || (l == 2 && modal_.incremental) || (l == 20 && rotation)) {
+    refuse_block("E-G10", l == 2 && modal_.incremental ? "G10 L2 in G91" : "this form of G10 is not understood",
+                 "the work offset that results is not known", "write G90 G10 L2 P1 X.. Y.. Z..");
+    return false;
+  }
+  const int index = *p == 0 ? in_.frames.active() : *p - 1;
+  const auto known = in_.frames.work_offset(index);
+  unsigned named = 0;
+  for (int k = 0; k < 3; ++k) named |= axis_word(k) ? 1u << k : 0u;
+  if (!known && named != 7) {
+    refuse_block("E-WCS", fmt::format("G10 sets part of work offset {} whose other values are not known", *p),
+                 "where the axes go depends on them", "give it with --offset, or set X, Y and Z together");
+    return false;
+  }
+  WorkOffset in = known.value_or(WorkOffset{}), out = out_.frames.work_offset(index).value_or(WorkOffset{});
+  if (l == 20 && in.rotation != 0) {
+    refuse_block("E-G10", "G10 L20 in a rotated work offset", "the offset that results is not followed", "use G10 L2");
+    return false;
+  }
+  for (int k = 0; k < 3; ++k) {
+    const auto i = static_cast<std::size_t>(k);
+    const Word* word = axis_word(k);
+    if (!word) continue;
+    const double value = word->value * modal_.unit();
+    if (l == 2) {
+      in.origin[i] = out.origin[i] = value;
+      continue;
+    }
+    if (!(known_ & (1u << k))) {
+      refuse(*word, "E-POS", fmt::format("G10 L20 {}: where the axis stands is not known", "XYZ"[k]),
+             "the new frame depends on it", "command the axis before, or give its position with --start");
+      return false;
+    }
+    // m = p + g92 + g5x + tlo with p = v
+    in.origin[i] = in_.m[k] - in_.frames.tool_offset()[k] - in_.frames.g92()[k] - value;
+    const double at_out = out_.m[k] - out_.frames.tool_offset()[k] - out_.frames.g92()[k];
+    const int decimals = decimals_of(word) + 2;
+    double v = (at_out - in.origin[i]) / modal_.unit();
+    if (std::abs(v - word->value) > half_digit(decimals)) {
+      scratch_.clear();
+      v = append_fixed(scratch_, v, decimals);
+      edit_.replace(*word, scratch_);
+    } else {
+      v = word->value;
+    }
+    out.origin[i] = at_out - v * modal_.unit();
+  }
+  if (rotation) in.rotation = out.rotation = rotation->value * deg;
+  in_.frames.set_work_offset(index, in);
+  out_.frames.set_work_offset(index, out);
+  datum_dirty_ = true;
+  move_text_ = l == 20 ? "G10 L20: the present correction is added to its values" : "G10 L2: followed";
+  return true;
+}
+
+}  // namespace abbe
