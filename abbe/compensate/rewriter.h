@@ -13,7 +13,7 @@
 #include "abbe/compensate/line_split.h"
 #include "abbe/compensate/rewrite.h"
 #include "abbe/program/block.h"
-#include "abbe/program/findings.h"
+#include "abbe/program/program_findings.h"
 #include "abbe/program/frames.h"
 #include "abbe/program/modal.h"
 
@@ -31,7 +31,7 @@ class Rewriter {
   void line(std::string_view bytes, std::uint64_t number, bool too_long, std::string& out);
   /// After the last line.
   void finish(std::string& out);
-  [[nodiscard]] Findings& findings() { return findings_; }
+  [[nodiscard]] ProgramFindings& findings() { return findings_; }
 
  private:
   /// One of the two controls.
@@ -116,7 +116,7 @@ class Rewriter {
   RewriteReport& report_;
   const Machine& machine_;
   CorrectionField field_;
-  Findings findings_;
+  ProgramFindings findings_;
   double interpolation_;          ///< mm
   bool angular_;
 

@@ -63,7 +63,7 @@ constexpr Advice kAdvice[] = {
     {434, 435, "E-GCODE", "tool centre point control is not part of the LinuxCNC dialect", "post for three axes"},
 };
 
-void refuse(Findings& findings, std::uint64_t line, const Block& block, const Word& word, const char* code,
+void refuse(ProgramFindings& findings, std::uint64_t line, const Block& block, const Word& word, const char* code,
             std::string message, const char* why, const char* fix) {
   findings.add(Severity::error, code, line, block.text, word.begin, static_cast<std::size_t>(word.end - word.begin),
                std::move(message), why, fix);
@@ -80,7 +80,7 @@ std::optional<int> scaled(double value, double factor, int limit) {
   return static_cast<int>(n);
 }
 
-bool note_g(const Block& block, const Word& word, std::uint64_t line, Findings& findings, Instruction& out,
+bool note_g(const Block& block, const Word& word, std::uint64_t line, ProgramFindings& findings, Instruction& out,
             std::array<bool, kGroups>& seen) {
   const auto code = scaled(word.value, 10, 1000);
   const Group group = code ? kGroupOf[static_cast<std::size_t>(*code)] : unknown;
@@ -117,7 +117,7 @@ bool note_g(const Block& block, const Word& word, std::uint64_t line, Findings& 
   return true;
 }
 
-bool note_m(const Block& block, const Word& word, std::uint64_t line, Findings& findings, Instruction& out) {
+bool note_m(const Block& block, const Word& word, std::uint64_t line, ProgramFindings& findings, Instruction& out) {
   const auto code = scaled(word.value, 1, 1000);
   const int m = code.value_or(-1);
   const bool known = m == 0 || m == 1 || m == 2 || m == 30 || m == 60 || (m >= 3 && m <= 9) || m == 19 ||
@@ -179,7 +179,7 @@ const char* letter_code(char letter) {
   return letter == 'O' ? "E-OWORD" : "E-WORD";
 }
 
-void refuse_letter(Findings& findings, std::uint64_t line, const Block& block, const Word& word) {
+void refuse_letter(ProgramFindings& findings, std::uint64_t line, const Block& block, const Word& word) {
   const char* code = letter_code(word.letter);
   const std::string_view kind = code;
   if (kind == "E-ROTARY") {
@@ -201,7 +201,7 @@ void refuse_letter(Findings& findings, std::uint64_t line, const Block& block, c
 
 bool stops_after_motion(int m_code) { return m_code <= 2 || m_code == 30 || m_code == 60; }
 
-bool read_instruction(const Block& block, const ModalState& state, std::uint64_t line, Findings& findings,
+bool read_instruction(const Block& block, const ModalState& state, std::uint64_t line, ProgramFindings& findings,
                       Instruction& out) {
   out = Instruction{};
   out.word.fill(-1);

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "abbe/program/block.h"
-#include "abbe/program/findings.h"
+#include "abbe/program/program_findings.h"
 
 namespace abbe {
 
@@ -62,7 +62,7 @@ struct Instruction {
 
 /// Sorts the words of a block. Everything not known to the LinuxCNC profile is a finding.
 /// errors   false when the block was refused; `state` is not changed here
-[[nodiscard]] bool read_instruction(const Block& block, const ModalState& state, std::uint64_t line, Findings& findings,
+[[nodiscard]] bool read_instruction(const Block& block, const ModalState& state, std::uint64_t line, ProgramFindings& findings,
                                     Instruction& instruction);
 
 /// Puts the modal codes of the instruction in force, in the control's order of execution.

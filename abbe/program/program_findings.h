@@ -10,10 +10,10 @@
 namespace abbe {
 
 /// Collects what is wrong with one program: every finding with its place, at most kPerCode of a kind.
-class Findings {
+class ProgramFindings {
  public:
   static constexpr int kPerCode = 100;
-  explicit Findings(std::string file) : file_(std::move(file)) {}
+  explicit ProgramFindings(std::string file) : file_(std::move(file)) {}
 
   /// `column` counts from 0 in the block's text.
   void add(Severity severity, const std::string& code, std::uint64_t line, std::string_view text, std::size_t column,

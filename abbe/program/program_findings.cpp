@@ -1,4 +1,4 @@
-#include "abbe/program/findings.h"
+#include "abbe/program/program_findings.h"
 
 #include <fmt/format.h>
 
@@ -6,7 +6,7 @@
 
 namespace abbe {
 
-void Findings::add(Severity severity, const std::string& code, std::uint64_t line, std::string_view text,
+void ProgramFindings::add(Severity severity, const std::string& code, std::uint64_t line, std::string_view text,
                    std::size_t column, std::size_t length, std::string message, std::string why, std::string fix) {
   if (severity == Severity::error) ++errors_;
   if (++count_[code] > kPerCode) return;
@@ -20,11 +20,11 @@ void Findings::add(Severity severity, const std::string& code, std::uint64_t lin
   list_.push_back(std::move(d));
 }
 
-void Findings::add(const BlockError& error, std::uint64_t line, std::string_view text) {
+void ProgramFindings::add(const BlockError& error, std::uint64_t line, std::string_view text) {
   add(Severity::error, error.code, line, text, error.column, error.length, error.message, error.why, error.fix);
 }
 
-Diagnostics Findings::take() {
+Diagnostics ProgramFindings::take() {
   for (const auto& [code, count] : count_) {
     if (count <= kPerCode) continue;
     Diagnostic d;
