@@ -32,7 +32,7 @@ EXX = { poly = [0, 0.2] }
 
   // EXX = 0.2 um/mm * 10 mm: 2 um farther along +X than commanded
   std::printf("deviation %.6f %.6f %.6f mm\n", deviation.x(), deviation.y(), deviation.z());
-  const bool as_expected =
-      std::abs(deviation.x() - 2 * abbe::um) < 1e-12 && std::abs(deviation.y()) < 1e-12 && std::abs(deviation.z()) < 1e-12;
+  const bool as_expected = std::abs(deviation.x() - 2 * abbe::um) < 1e-12 &&
+                           std::abs(deviation.y()) < 1e-12 && std::abs(deviation.z()) < 1e-12;
   return as_expected ? 0 : 1;
 }

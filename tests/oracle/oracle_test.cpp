@@ -1,0 +1,233 @@
+// Our reader against LinuxCNC's own interpreter, motion by motion: kind, line, end point, and for arcs
+// centre, turns and the points in between.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <limits>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "abbe/machine/control_setup.h"
+#include "abbe/verify/reader.h"
+#include "tests/oracle/interpreter.h"
+#include "tests/oracle/random_program.h"
+
+namespace abbe::oracle {
+namespace {
+
+constexpr double kSameDouble = 1e-9;  // mm: rounding of a few additions of coordinates up to 1 m
+
+const std::string kHere = std::string(ABBE_SOURCE_DIR) + "/tests/oracle";
+const std::string kToolTable = kHere + "/tool.tbl";
+
+bool have_oracle() { return !std::string(ABBE_ORACLE).empty() && std::filesystem::exists(ABBE_ORACLE); }
+
+constexpr const char* kNoOracle = "linuxcnc-uspace-dev or the oracle's source is absent";
+
+std::string scratch() {
+  const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+  std::string name = std::string(test->test_suite_name()) + "." + test->name();
+  std::replace(name.begin(), name.end(), '/', '_');
+  return std::string(ABBE_SCRATCH_DIR) + "/" + name;
+}
+
+// What the oracle assumes: at machine position 0, all work offsets 0, '/' lines run.
+ControlSetup setup_of_oracle() {
+  ControlSetup setup;
+  setup.work_offsets.fill(WorkOffset{});
+  setup.start = {0.0, 0.0, 0.0};
+  setup.block_delete = ControlSetup::BlockDelete::off;
+  std::ifstream file(kToolTable);
+  std::ostringstream text;
+  text << file.rdbuf();
+  auto tools = read_tool_table(kToolTable, text.str());
+  if (tools.value) setup.tools = *tools.value;
+  return setup;
+}
+
+// The centre of an R arc is sqrt(r^2 - chord^2 / 4) away from the chord: near 180 degrees its last
+// digits are lost, by eps r^2 / distance, at most sqrt(eps) r.
+double centre_tolerance(const Motion& arc) {
+  const Vec3 a = arc.start - arc.centre, b = arc.end - arc.centre;
+  const double radius = a.norm();
+  const double distance = (0.5 * (a + b)).norm();
+  const double eps = std::numeric_limits<double>::epsilon();
+  return kSameDouble + 16 * eps * radius * radius / std::max(distance, std::sqrt(eps) * radius);
+}
+
+std::string describe(const Motion& m) {
+  std::ostringstream text;
+  text.precision(15);
+  text << "line " << m.line << " kind " << static_cast<int>(m.kind) << " from " << m.start.transpose()
+       << " to " << m.end.transpose();
+  if (m.kind == Motion::Kind::arc) text << " centre " << m.centre.transpose() << " turns " << m.turns;
+  return text.str();
+}
+
+Motion same_form(const verifying::ListedMotion& listed, const Vec3& start) {
+  using Kind = verifying::ListedMotion::Kind;
+  Motion motion;
+  motion.kind = listed.kind == Kind::rapid  ? Motion::Kind::rapid
+                : listed.kind == Kind::line ? Motion::Kind::feed
+                                            : Motion::Kind::arc;
+  motion.line = static_cast<long>(listed.line);
+  motion.start = start;
+  motion.end = listed.end;
+  motion.centre = listed.centre;
+  motion.turns = listed.turns;
+  return motion;
+}
+
+// The first difference, in words; empty if there is none.
+std::string compare(const std::string& program, const Run& expected, const ControlSetup& setup) {
+  std::vector<Motion> ours;
+  Vec3 at = Vec3::Zero();
+  const auto diagnostics =
+      verifying::list_motions(program, program, setup, [&](const verifying::ListedMotion& motion) {
+        ours.push_back(same_form(motion, at));
+        at = motion.end;
+      });
+  if (has_errors(diagnostics)) return "refused: " + to_text(diagnostics.front());
+
+  for (std::size_t k = 0; k < std::max(ours.size(), expected.motions.size()); ++k) {
+    const std::string number = "motion " + std::to_string(k) + "\n";
+    if (k >= ours.size()) return number + "missing: " + describe(expected.motions[k]);
+    if (k >= expected.motions.size()) return number + "too many: " + describe(ours[k]);
+    const Motion& a = expected.motions[k];
+    const Motion& b = ours[k];
+    const std::string both = number + "LinuxCNC " + describe(a) + "\nours     " + describe(b);
+    if (a.kind != b.kind || a.line != b.line || a.turns != b.turns) return both;
+    if (!((a.end - b.end).norm() <= kSameDouble)) return both;
+    if (a.kind != Motion::Kind::arc) continue;
+    const Vec3 off = (a.centre - b.centre) - (a.centre - b.centre).dot(a.normal) * a.normal;
+    if (!(off.norm() <= centre_tolerance(a))) return both;
+  }
+  return {};
+}
+
+// The arcs as the verifier samples them, point by point.
+std::string compare_points(const std::string& program, const Run& expected, const ControlSetup& setup) {
+  auto opened = verifying::ProgramReader::open(program, program, setup, {});
+  auto* reader = std::get_if<verifying::ProgramReader>(&opened);
+  if (reader == nullptr) return "cannot be opened";
+  std::vector<const Motion*> arcs;
+  for (const Motion& motion : expected.motions) {
+    if (motion.kind == Motion::Kind::arc) arcs.push_back(&motion);
+  }
+  std::size_t next = 0;
+  for (;;) {
+    const auto item = reader->next();
+    if (item == verifying::ProgramReader::Item::refused) return "refused: " + to_text(reader->refusal());
+    if (item == verifying::ProgramReader::Item::end) break;
+    if (item != verifying::ProgramReader::Item::motion || reader->motion().kind != verifying::MotionKind::arc)
+      continue;
+    if (next == arcs.size()) return "an arc too many at line " + std::to_string(reader->line());
+    const Motion& arc = *arcs[next++];
+    for (const double s : {0.0, 0.1, 0.35, 0.5, 0.8, 1.0}) {
+      const Vec3 theirs = point_at(arc, s), mine = verifying::point_at(reader->motion(), s);
+      if (!((theirs - mine).norm() <= 4 * centre_tolerance(arc))) {
+        std::ostringstream text;
+        text.precision(15);
+        text << describe(arc) << "\nat " << s << ": LinuxCNC " << theirs.transpose() << ", ours "
+             << mine.transpose();
+        return text.str();
+      }
+    }
+  }
+  return next == arcs.size() ? "" : "an arc is missing";
+}
+
+struct Listed {
+  std::string root, path;
+  long motions = 0;
+  std::string needs;
+  [[nodiscard]] std::string file() const {
+    if (root == "data") return std::string(ABBE_SOURCE_DIR) + "/../shared/data/gcode/" + path;
+    if (root == "ncfiles") return "/usr/share/linuxcnc/ncfiles/" + path;
+    return "/usr/share/doc/linuxcnc/examples/sample-configs/" + path;
+  }
+};
+
+std::ostream& operator<<(std::ostream& out, const Listed& listed) {
+  return out << listed.root << "/" << listed.path;
+}
+
+std::vector<Listed> must_accept() {
+  std::vector<Listed> list;
+  std::ifstream file(kHere + "/must_accept.txt");
+  for (std::string text; std::getline(file, text);) {
+    if (text.empty() || text[0] == '#') continue;
+    std::istringstream line(text);
+    std::string name;
+    Listed listed;
+    line >> name >> listed.motions;
+    std::getline(line, listed.needs);
+    const auto slash = name.find('/');
+    listed.root = name.substr(0, slash);
+    listed.path = name.substr(slash + 1);
+    list.push_back(listed);
+  }
+  return list;
+}
+
+std::string test_name(const testing::TestParamInfo<Listed>& info) {
+  std::string name = info.param.root + "_" + info.param.path;
+  std::replace_if(
+      name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
+  return name;
+}
+
+class MustAccept : public testing::TestWithParam<Listed> {};
+
+TEST_P(MustAccept, MovesAsLinuxCnc) {
+  if (!have_oracle()) GTEST_SKIP() << kNoOracle;
+  const Listed& listed = GetParam();
+  if (!std::filesystem::exists(listed.file())) GTEST_SKIP() << listed.file() << " is absent";
+  const auto expected =
+      run(ABBE_ORACLE, kToolTable, std::filesystem::canonical(listed.file()).string(), scratch());
+  ASSERT_TRUE(expected.has_value());
+  const bool open = listed.needs.find("open") != std::string::npos;
+  ASSERT_TRUE(expected->accepted || (open && expected->open_end)) << expected->message;
+  EXPECT_EQ(static_cast<long>(expected->motions.size()), listed.motions);
+  EXPECT_EQ(compare(listed.file(), *expected, setup_of_oracle()), "");
+  EXPECT_EQ(compare_points(listed.file(), *expected, setup_of_oracle()), "");
+}
+
+INSTANTIATE_TEST_SUITE_P(Programs, MustAccept, testing::ValuesIn(must_accept()), test_name);
+
+class RandomPrograms : public testing::TestWithParam<int> {};
+
+TEST_P(RandomPrograms, MoveAsLinuxCnc) {
+  if (!have_oracle()) GTEST_SKIP() << kNoOracle;
+  constexpr int kPerTest = 50;
+  const std::string folder = scratch();
+  std::filesystem::create_directories(folder);
+  int different = 0;
+  for (int k = 0; k < kPerTest; ++k) {
+    const auto seed = static_cast<std::uint64_t>(GetParam() * kPerTest + k + 1);
+    const std::string program = folder + "/seed_" + std::to_string(seed) + ".ngc";
+    std::ofstream(program, std::ios::binary) << random_program(seed);
+    const auto expected = run(ABBE_ORACLE, kToolTable, program, folder);
+    ASSERT_TRUE(expected.has_value());
+    ASSERT_TRUE(expected->accepted) << program << "\n" << expected->message;
+    const std::string difference = compare(program, *expected, setup_of_oracle());
+    const std::string points =
+        difference.empty() ? compare_points(program, *expected, setup_of_oracle()) : "";
+    EXPECT_EQ(difference + points, "") << program;
+    if (!difference.empty() || !points.empty()) {
+      if (++different == 3) break;
+    } else {
+      std::filesystem::remove(program);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomPrograms, testing::Range(0, 8));
+
+}  // namespace
+}  // namespace abbe::oracle
