@@ -1,0 +1,467 @@
+#include "abbe/verify/control.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <utility>
+
+#include "abbe/core/units.h"
+
+namespace abbe::verifying {
+namespace {
+
+constexpr Letters kAxisLetters = letters('X', 'Y', 'Z');
+constexpr Letters kCentreLetters = letters('I', 'J', 'K');
+constexpr int kNoMotion = 800;
+
+bool is_cycle(int code) { return code >= 730 && code != kNoMotion; }
+
+}  // namespace
+
+Control::Control(const ControlSetup& setup)
+    : frames_(frames_of(setup)), tools_(setup.tools), tool_(setup.loaded_tool) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!setup.start[i]) continue;
+    m_.at[static_cast<Eigen::Index>(i)] = *setup.start[i];
+    m_.known |= Axes{1} << i;
+  }
+  u_ = program_of(frames_, m_);
+}
+
+bool Control::refuse(std::size_t column, const char* code, std::string message, std::string why, std::string fix) {
+  *fault_ = {code, column, 1, std::move(message), std::move(why), std::move(fix)};
+  return false;
+}
+
+bool Control::refuse_at(char letter, const char* code, std::string message, std::string why, std::string fix) {
+  return refuse(block_->has(letter) ? block_->column_of(letter) : 1, code, std::move(message), std::move(why),
+                std::move(fix));
+}
+
+bool Control::use(char letter) {
+  const Letters bit = letter_bit(letter);
+  if ((used_ & bit) != 0)
+    return refuse_at(letter, "E-BLOCK", fmt::format("two codes of this block use the {} word", letter),
+                     "it is not defined which one it belongs to", "use two blocks");
+  used_ |= bit;
+  return true;
+}
+
+bool Control::whole_word(char letter, int& out, const char* code) {
+  const double value = (*block_)[letter];
+  const double nearest = std::round(value);
+  if (!(std::abs(value - nearest) <= 1e-4) || nearest < 0 || nearest > 1e6)
+    return refuse_at(letter, code, fmt::format("{}{:g} is not a whole number in range", letter, value),
+                     "it counts or names something", "correct the number");
+  out = static_cast<int>(nearest);
+  return true;
+}
+
+void Control::fill(Event& event, EventKind kind, int code, Letters words) const {
+  event.kind = kind;
+  event.code = code;
+  event.sets_position = event.sets_frames = false;
+  event.words = block_->words & words;
+  event.text = {};
+  std::size_t n = 0;
+  for (std::size_t i = 0; i < 26 && n < event.values.size(); ++i)
+    if ((event.words >> i & 1) != 0) event.values[n++] = block_->value[i];
+  for (; n < event.values.size(); ++n) event.values[n] = 0;
+}
+
+Event& Control::add(EventKind kind, int code, Letters words) {
+  Event& event = events_[event_count_++];
+  fill(event, kind, code, words);
+  return event;
+}
+
+Axes Control::named_axes() const {
+  return ((block_->words & letter_bit('X')) != 0 ? 1u : 0u) | ((block_->words & letter_bit('Y')) != 0 ? 2u : 0u) |
+         ((block_->words & letter_bit('Z')) != 0 ? 4u : 0u);
+}
+
+bool Control::frame_known() {
+  if (frames_.system().defined == kAllAxes) return true;
+  const int i = frames_.active;
+  const std::string name = i < 6 ? fmt::format("G{}", 54 + i) : fmt::format("G59.{}", i - 5);
+  return refuse(1, "E-WCS", fmt::format("the origin of {} is not known", name),
+                "errors depend on where the machine's axes stand", fmt::format("give --offset {}=X..,Y..,Z..", name));
+}
+
+bool Control::execute(const Block& block, Fault& fault) {
+  block_ = &block;
+  fault_ = &fault;
+  used_ = 0;
+  event_count_ = 0;
+  moves_ = stops_ = false;
+  motion_code_ = -1;
+  covets_ = false;
+
+  if (block.has('N')) {
+    if (!use('N')) return false;
+    add(EventKind::block_number, 0, letter_bit('N'));
+  }
+  for (int i = 0; i < block.comment_count; ++i)
+    add(EventKind::comment, 0).text = block.comments[static_cast<std::size_t>(i)];
+  if (!choose_motion()) return false;
+  constexpr std::uint32_t motion_group = 1u << 1;
+  const bool plain = (block.g_groups & ~motion_group) == 0 && block.m_groups == 0 &&
+                     (block.words & letters('S', 'T')) == 0;
+  if (plain) {
+    if (!feed_words()) return false;
+  } else {
+    if (!settings() || !modes() || !non_modal()) return false;
+  }
+  if (!move()) return false;
+  return stops() && leftovers();
+}
+
+/// Which motion the block makes, if any, and whether its axis words belong to something else.
+bool Control::choose_motion() {
+  const Block& b = *block_;
+  const int group0 = b.g_code(0), explicit_motion = b.g_code(1);
+  const bool axis_words = (b.words & kAxisLetters) != 0;
+  const bool offset_words = b.g_code(8) == 431;
+  const bool takes_axes = group0 == 100 || group0 == 280 || group0 == 300 || group0 == 520 || group0 == 920;
+  if (takes_axes || offset_words || group0 == 40 || group0 >= 921) {
+    covets_ = true;
+    const std::size_t column = group0 >= 0 ? b.g_column[0] : b.g_column[8];
+    if (explicit_motion >= 0 && explicit_motion != kNoMotion)
+      return refuse(column, "E-BLOCK", "a motion code together with a code that uses up the axis words",
+                    "the axis words can belong to one of them only", "use two blocks");
+    if ((takes_axes && offset_words) || (axis_words && !takes_axes && !offset_words))
+      return refuse(column, "E-BLOCK", "axis words in a block whose code does not take them",
+                    "it is not defined whether the machine moves", "use two blocks");
+  }
+  if (explicit_motion >= 0) {
+    mode_ = is_cycle(explicit_motion) ? mode_ : explicit_motion;  // a cycle becomes the mode after its first block
+    if (is_cycle(explicit_motion)) motion_code_ = explicit_motion;
+    if (explicit_motion == 20 || explicit_motion == 30) motion_code_ = explicit_motion;
+    if ((explicit_motion == 0 || explicit_motion == 10) && axis_words) motion_code_ = explicit_motion;
+    if (explicit_motion == kNoMotion && axis_words && !covets_)
+      return refuse(b.g_column[1], "E-MODE", "axis words with G80", "no motion is active to use them",
+                    "give the motion code");
+  } else if (!covets_ && (axis_words || ((mode_ == 20 || mode_ == 30) && (b.words & kCentreLetters) != 0))) {
+    if (mode_ == kNoMotion)
+      return refuse_at(b.has('X') ? 'X' : b.has('Y') ? 'Y' : 'Z', "E-MODE", "axis words without a motion code",
+                       "no motion is active: the control stops here", "begin with G0, G1, G2 or G3");
+    motion_code_ = mode_;
+  }
+  if (group0 == 530) {
+    const int distance = b.g_code(3) >= 0 ? b.g_code(3) : incremental_ ? 910 : 900;
+    const int motion = motion_code_ >= 0 ? motion_code_ : explicit_motion >= 0 ? explicit_motion : mode_;
+    if (distance == 910)
+      return refuse(b.g_column[0], "E-G53", "G53 in G91", "controls disagree whether its words are increments",
+                    "use G90");
+    if (motion != 0 && motion != 10)
+      return refuse(b.g_column[0], "E-G53", "G53 needs G0 or G1", "only straight moves go in machine coordinates",
+                    "give G0 or G1 in the block");
+  }
+  return true;
+}
+
+bool Control::feed_words() {
+  if (!block_->has('F')) return true;
+  if (!use('F')) return false;
+  feed_ = (*block_)['F'];
+  if (feed_ < 0)
+    return refuse_at('F', "E-FEED", "negative feed", "a feed is a speed without direction", "correct the F word");
+  const bool belongs_to_motion = feed_mode_ == 930 && motion_code_ >= 10 && motion_code_ <= 30;
+  if (!belongs_to_motion) add(EventKind::feed, 0, letter_bit('F'));
+  return true;
+}
+
+bool Control::settings() {
+  const Block& b = *block_;
+  if (const int code = b.g_code(5); code >= 0) {
+    feed_mode_ = code;
+    add(EventKind::g_code, code);
+  }
+  if (!feed_words()) return false;
+  if (b.has('S')) {
+    if (!use('S')) return false;
+    add(EventKind::speed, 0, letter_bit('S'));
+  }
+  if (const int code = b.g_code(14); code >= 0) {
+    if (code == 960 && !use_optional('D')) return false;
+    add(EventKind::g_code, code, code == 960 ? letter_bit('D') : 0);
+  }
+  if (b.has('T')) {
+    int number = 0;
+    if (!use('T') || !whole_word('T', number, "E-TOOL")) return false;
+    selected_ = number;
+    add(EventKind::tool, 0, letter_bit('T'));
+  }
+  if (!m_codes()) return false;
+  if (b.g_code(0) == 40) {
+    if (!b.has('P'))
+      return refuse(b.g_column[0], "E-WORD", "G4 without P", "the dwell time is missing", "add P");
+    if (!use('P')) return false;
+    add(EventKind::g_code, 40, letter_bit('P'));
+  }
+  return true;
+}
+
+bool Control::m_codes() {
+  const Block& b = *block_;
+  if (b.m_groups == 0) return true;
+  if (const int code = b.m_code(6); code >= 0 && !tool_codes(code)) return false;
+  if (const int code = b.m_code(7); code >= 0) {
+    const Letters words = code == 19 ? letters('P', 'Q', 'R') : 0;
+    if (code == 19 && !(use_optional('P') && use_optional('Q') && use_optional('R'))) return false;
+    add(EventKind::m_code, code, words);
+  }
+  if (const int code = b.m_code(8); code >= 0) add(EventKind::m_code, code);
+  if (const int code = b.m_code(9); code >= 0) {
+    if (code >= 50 && !use_optional('P')) return false;
+    add(EventKind::m_code, code, code >= 50 ? letter_bit('P') : 0);
+  }
+  if (const int code = b.m_code(5); code >= 0) {
+    Letters words = letter_bit('P');
+    if (code == 66) words = letters('L', 'P', 'Q');
+    if (code >= 67) words = letter_bit('Q');
+    for (const char letter : {'L', 'P', 'Q'})
+      if ((words & letter_bit(letter)) != 0 && !use_optional(letter)) return false;
+    add(EventKind::m_code, code, words);
+  }
+  return true;
+}
+
+bool Control::tool_codes(int code) {
+  const std::size_t column = block_->m_column[6];
+  if (code == 6) {
+    if (!selected_)
+      return refuse(column, "E-TOOL", "M6 without a T word before it", "the tool in the spindle is not known",
+                    "select the tool with T");
+    tool_ = selected_;
+    add(EventKind::m_code, 6);
+    return true;
+  }
+  int number = 0;
+  if (!block_->has('Q'))
+    return refuse(column, "E-TOOL", "M61 without Q", "the tool in the spindle is not known", "add Q");
+  if (!use('Q') || !whole_word('Q', number, "E-TOOL")) return false;
+  tool_ = number;
+  add(EventKind::m_code, 61, letter_bit('Q'));
+  return true;
+}
+
+bool Control::modes() {
+  const Block& b = *block_;
+  if (b.g_groups == 0) return true;
+  const auto change = [&](int group) {
+    const int code = b.g_code(group);
+    if (code >= 0) add(EventKind::g_code, code);
+    return code;
+  };
+  if (const int code = change(2); code >= 0) plane_ = code;
+  if (const int code = change(6); code >= 0) {
+    unit_ = code == 200 ? abbe::inch : abbe::mm;
+    cycle_r_ = cycle_z_ = cycle_q_ = std::nullopt;  // sticky numbers of another unit
+  }
+  change(7);
+  if (const int code = b.g_code(8); code >= 0 && !tool_offset(code)) return false;
+  if (const int code = b.g_code(12); code >= 0) {
+    frames_.active = code < 591 ? (code - 540) / 10 : code - 591 + 6;
+    u_ = program_of(frames_, m_);
+    add(EventKind::g_code, code).sets_frames = true;
+  }
+  if (const int code = b.g_code(13); code >= 0) {
+    if (code == 640 && !(use_optional('P') && use_optional('Q'))) return false;
+    add(EventKind::g_code, code, code == 640 ? letters('P', 'Q') : 0);
+  }
+  if (const int code = change(3); code >= 0) incremental_ = code == 910;
+  if (const int code = change(4); code >= 0) absolute_centres_ = code == 901;
+  if (const int code = change(10); code >= 0) retracts_to_r_ = code == 990;
+  change(15);
+  return true;
+}
+
+bool Control::tool_offset(int code) {
+  const Block& b = *block_;
+  Letters words = 0;
+  if (code == 490) {
+    frames_.tool_offset = Vec3::Zero();
+  } else if (code == 431) {
+    words = kAxisLetters;
+    for (int i = 0; i < 3; ++i) {
+      const char letter = static_cast<char>('X' + i);
+      if (!use_optional(letter)) return false;
+      if (b.has(letter)) frames_.tool_offset[i] = length_word(letter);
+    }
+  } else {
+    words = letter_bit('H');
+    std::optional<int> number = tool_;
+    if (b.has('H')) {
+      int h = 0;
+      if (!use('H') || !whole_word('H', h, "E-TOOL")) return false;
+      number = h;
+    }
+    const auto entry = number ? tools_.find(*number) : tools_.end();
+    if (entry == tools_.end())
+      return refuse(b.g_column[8], "E-TOOL",
+                    number ? fmt::format("tool {} is not in the tool table", *number)
+                           : std::string("G43 without H, and no tool is loaded"),
+                    "its offset moves the machine", "give the tool table with --tools");
+    const auto& offset = entry->second.offset;
+    frames_.tool_offset = Vec3(offset[0], offset[1], offset[2]);
+  }
+  u_ = program_of(frames_, m_);
+  add(EventKind::g_code, code, words).sets_frames = true;
+  return true;
+}
+
+bool Control::non_modal() {
+  switch (block_->g_code(0)) {
+    case 100:
+      return set_system();
+    case 280:
+    case 300:
+      if (!(use_optional('X') && use_optional('Y') && use_optional('Z'))) return false;
+      if (named_axes() != 0 && !frame_known()) return false;
+      go_home(block_->g_code(0));
+      return true;
+    case 520:
+    case 920:
+    case 921:
+    case 922:
+    case 923:
+      return set_g92(block_->g_code(0));
+    default:
+      return true;
+  }
+}
+
+bool Control::set_system() {
+  const Block& b = *block_;
+  int l = 0, p = 0;
+  if (!b.has('L') || !b.has('P'))
+    return refuse(b.g_column[0], "E-G10", "G10 without L and P", "what it sets is not known", "give L2 or L20 and P");
+  if (!use('L') || !use('P') || !whole_word('L', l, "E-G10") || !whole_word('P', p, "E-G10")) return false;
+  if ((l != 2 && l != 20) || p > 9)
+    return refuse_at(l != 2 && l != 20 ? 'L' : 'P', "E-G10", fmt::format("G10 L{} P{} is not understood", l, p),
+                     "only work offsets are followed: L2 and L20 with P0 to P9",
+                     "set tools in the tool table, not in the program");
+  if (l == 2 && incremental_)
+    return refuse_at('L', "E-G10", "G10 L2 in G91", "controls disagree whether it adds to the offset", "use G90");
+  if (l == 20 && b.has('R'))
+    return refuse_at('R', "E-G10", "R with G10 L20", "only L2 sets a rotation", "use G10 L2");
+  for (const char letter : {'X', 'Y', 'Z', 'R'})
+    if (!use_optional(letter)) return false;
+
+  const int index = p == 0 ? frames_.active : p - 1;
+  Frames::System& system = frames_.systems[static_cast<std::size_t>(index)];
+  const Axes named = named_axes();
+  if (l == 2) {
+    for (int i = 0; i < 3; ++i)
+      if ((named >> i & 1) != 0) system.origin[i] = length_word(static_cast<char>('X' + i));
+    if (b.has('R')) system.rotation = b['R'] * deg;
+  } else {
+    constexpr Axes plane_xy = 3;
+    const bool turned = system.rotation != 0 && (named & plane_xy) != 0;
+    const Axes needed = turned ? named | plane_xy : named;
+    if ((m_.known & needed) != needed)
+      return refuse(b.g_column[0], "E-POS", "G10 L20 at a position that is not known",
+                    "it stores the machine's position", "command the axis absolutely first");
+    if (turned && (system.defined & plane_xy) != plane_xy)
+      return refuse(b.g_column[0], "E-WCS", "G10 L20 on a rotated system whose origin is not known",
+                    "the new origin depends on the old one", "give the work offset");
+    // The reading p of system n, with the given axes replaced by v:  origin = m - tlo - Rz (p + g92)
+    Vec3 reading = rotated_about_z(m_.at - system.origin - frames_.tool_offset, -system.rotation) - frames_.g92;
+    for (int i = 0; i < 3; ++i)
+      if ((named >> i & 1) != 0) reading[i] = length_word(static_cast<char>('X' + i));
+    const Vec3 origin = m_.at - frames_.tool_offset - rotated_about_z(reading + frames_.g92, system.rotation);
+    for (int i = 0; i < 3; ++i)
+      if ((needed >> i & 1) != 0) system.origin[i] = origin[i];
+  }
+  system.defined |= named;
+  u_ = program_of(frames_, m_);
+  Event& event = add(EventKind::g_code, 100, letters('L', 'P', 'R') | kAxisLetters);
+  event.sets_frames = true;
+  event.sets_position = l == 20;
+  return true;
+}
+
+bool Control::set_g92(int code) {
+  const Block& b = *block_;
+  const Axes named = named_axes();
+  for (const char letter : {'X', 'Y', 'Z'})
+    if (!use_optional(letter)) return false;
+  if ((code == 920 || code == 520) && named == 0)
+    return refuse(b.g_column[0], "E-G92", fmt::format("G{} without axis words", code / 10), "it sets nothing",
+                  "name an axis");
+  if (code == 920) {
+    if (!frame_known()) return false;
+    if ((u_.known & named) != named)
+      return refuse(b.g_column[0], "E-POS", "G92 for an axis whose position is not known",
+                    "the offset it makes depends on the position", "command the axis absolutely first");
+  }
+  switch (code) {
+    case 920:  // g92 := u - v, so that p = u - g92 reads v
+      for (int i = 0; i < 3; ++i)
+        if ((named >> i & 1) != 0) frames_.g92[i] = u_.at[i] - length_word(static_cast<char>('X' + i));
+      saved_g92_ = frames_.g92;
+      break;
+    case 520:
+      for (int i = 0; i < 3; ++i)
+        if ((named >> i & 1) != 0) frames_.g92[i] = length_word(static_cast<char>('X' + i));
+      saved_g92_ = frames_.g92;
+      break;
+    case 921:
+      frames_.g92 = Vec3::Zero();
+      saved_g92_.reset();
+      break;
+    case 922:
+      frames_.g92 = Vec3::Zero();
+      break;
+    default:
+      if (!saved_g92_)
+        return refuse(b.g_column[0], "E-G92", "G92.3 restores an offset that this program did not set",
+                      "the control's stored value is not known", "set the offset with G92");
+      frames_.g92 = *saved_g92_;
+      break;
+  }
+  Event& event = add(EventKind::g_code, code, kAxisLetters);
+  event.sets_frames = true;
+  event.sets_position = code == 920;
+  return true;
+}
+
+void Control::go_home(int code) {
+  moves_ = true;
+  motion_.kind = MotionKind::home;
+  motion_.code = code;
+  motion_.machine_words = false;
+  motion_.incremental = incremental_;
+  motion_.named = named_axes();
+  for (int i = 0; i < 3; ++i)
+    motion_.words[i] = (motion_.named >> i & 1) != 0 ? length_word(static_cast<char>('X' + i)) : 0;
+  motion_.start = m_;
+  motion_.end = machine_of(frames_, target());
+  m_ = motion_.end;
+  m_.known &= motion_.named == 0 ? 0u : ~motion_.named;
+  for (int i = 0; i < 3; ++i)
+    if ((m_.known >> i & 1) == 0) m_.at[i] = 0;
+  u_ = program_of(frames_, m_);
+}
+
+bool Control::stops() {
+  const int code = block_->m_code(Block::kStops);
+  if (code < 0) return true;
+  fill(stop_, EventKind::m_code, code, 0);
+  stops_ = true;
+  ended_ = code == 2 || code == 30;
+  return true;
+}
+
+bool Control::leftovers() {
+  const Letters left = block_->words & ~used_;
+  if (left == 0) return true;
+  for (char letter = 'A'; letter <= 'Z'; ++letter)
+    if ((left & letter_bit(letter)) != 0)
+      return refuse_at(letter, "E-WORD", fmt::format("nothing in this block uses the {} word", letter),
+                       "the control stops here", "remove it or add the code it belongs to");
+  return true;
+}
+
+}  // namespace abbe::verifying

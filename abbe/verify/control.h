@@ -1,0 +1,101 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <optional>
+#include <span>
+
+#include "abbe/machine/control_setup.h"
+#include "abbe/verify/block.h"
+#include "abbe/verify/motion.h"
+
+namespace abbe::verifying {
+
+/// What LinuxCNC remembers from block to block, and what a block makes it do.
+///
+/// execute() does one block: the events before its motion, at most one motion, the events after it.
+/// A block is done whole or refused; after a refusal the state must not be used again.
+///
+/// errors   false with `fault` filled: E-BLOCK E-WORD E-MODE E-WCS E-G10 E-POS E-G92 E-TOOL E-G53 E-ARC
+///          E-CYCLE E-FEED
+/// cost     no allocation unless refused
+class Control {
+ public:
+  explicit Control(const ControlSetup& setup);
+
+  [[nodiscard]] bool execute(const Block& block, Fault& fault);
+
+  [[nodiscard]] std::span<const Event> before() const { return {events_.data(), event_count_}; }
+  [[nodiscard]] const Motion* motion() const { return moves_ ? &motion_ : nullptr; }
+  [[nodiscard]] const Event* after() const { return stops_ ? &stop_ : nullptr; }
+
+  [[nodiscard]] const Frames& frames() const { return frames_; }
+  [[nodiscard]] std::optional<int> tool() const { return tool_; }
+  [[nodiscard]] bool inch() const { return unit_ != 1; }
+  [[nodiscard]] bool ended() const { return ended_; }
+  [[nodiscard]] const Position& machine_position() const { return m_; }
+
+ private:
+  bool refuse(std::size_t column, const char* code, std::string message, std::string why, std::string fix);
+  bool refuse_at(char letter, const char* code, std::string message, std::string why, std::string fix);
+  bool use(char letter);  ///< false (refused) if another code already used this word
+  bool use_optional(char letter) { return !block_->has(letter) || use(letter); }
+  bool whole_word(char letter, int& out, const char* code);
+  Event& add(EventKind kind, int code, Letters words = 0);
+  void fill(Event& event, EventKind kind, int code, Letters words) const;
+  [[nodiscard]] double length_word(char letter) const { return (*block_)[letter] * unit_; }
+  [[nodiscard]] Axes named_axes() const;
+  bool frame_known();
+
+  bool choose_motion();
+  bool settings();      // feed mode .. M62..M68, dwell
+  bool feed_words();
+  bool m_codes();
+  bool tool_codes(int code);
+  bool modes();         // plane .. G98/G99
+  bool tool_offset(int code);
+  bool non_modal();     // G10 G28 G30 G52 G92
+  bool set_system();
+  bool set_g92(int code);
+  void go_home(int code);
+  bool move();
+  bool straight();
+  bool arc();
+  bool arc_centre(const Vec3& start, const Vec3& end, int a, int b, Vec3& centre);
+  bool canned_cycle();
+  bool cycle_words(int axis);
+  [[nodiscard]] Position target() const;
+  void begin_motion(MotionKind kind);
+  bool stops();
+  bool leftovers();
+
+  // What the block being executed says.
+  const Block* block_ = nullptr;
+  Fault* fault_ = nullptr;
+  Letters used_ = 0;
+  int motion_code_ = -1;    ///< of this block, -1 = no motion
+  bool covets_ = false;     ///< axis words belong to G10 G28 G30 G52 G92 G43.1
+
+  // What the control remembers.
+  Frames frames_;
+  std::map<int, ToolEntry> tools_;
+  std::optional<int> tool_, selected_;
+  Position u_, m_;          ///< program position + g92, and axis commands
+  double unit_ = 1;         ///< mm per program unit
+  int plane_ = 170, feed_mode_ = 940, mode_ = 800;
+  double feed_ = 0;
+  bool incremental_ = false, absolute_centres_ = false, retracts_to_r_ = false;
+  std::optional<Vec3> saved_g92_;
+  std::optional<double> cycle_r_, cycle_z_, cycle_p_, cycle_q_;
+  Vec3 cycle_start_ = Vec3::Zero();  ///< axis commands before the first block of the cycle sequence
+  bool ended_ = false;
+
+  // What the block did.
+  std::array<Event, Block::kMaxComments + 40> events_;
+  std::size_t event_count_ = 0;
+  bool moves_ = false, stops_ = false;
+  Motion motion_;
+  Event stop_;
+};
+
+}  // namespace abbe::verifying

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+
+#include "abbe/core/linear_algebra.h"
+#include "abbe/machine/control_setup.h"
+
+namespace abbe::verifying {
+
+/// Sets of the axes X Y Z: bit 0, 1, 2.
+using Axes = unsigned;
+inline constexpr Axes kAllAxes = 7;
+
+/// What lies between a program's numbers and the axis commands:
+///   m = Rz(rotation) (p + g92) + origin + tool_offset
+/// p program position, m axis command; all in mm. Positions are kept as u = p + g92, which G92 and
+/// G52 do not change.
+struct Frames {
+  struct System {
+    Vec3 origin = Vec3::Zero();
+    double rotation = 0;  ///< rad, about Z
+    Axes defined = 0;     ///< axes whose origin is known
+  };
+  std::array<System, 9> systems;      ///< G54 .. G59.3
+  int active = 0;
+  Vec3 g92 = Vec3::Zero();
+  Vec3 tool_offset = Vec3::Zero();
+
+  [[nodiscard]] const System& system() const { return systems[static_cast<std::size_t>(active)]; }
+};
+
+[[nodiscard]] Frames frames_of(const ControlSetup& setup);
+
+/// Rz(angle) v.
+[[nodiscard]] inline Vec3 rotated_about_z(const Vec3& v, double angle) {
+  if (angle == 0) return v;
+  const double c = std::cos(angle), s = std::sin(angle);
+  return {c * v.x() - s * v.y(), s * v.x() + c * v.y(), v.z()};
+}
+
+/// A position of which some axes may be unknown.
+struct Position {
+  Vec3 at = Vec3::Zero();  ///< unknown axes are 0
+  Axes known = 0;
+};
+
+/// m = Rz(rotation) u + origin + tool_offset. A rotated X is known only together with Y.
+[[nodiscard]] Position machine_of(const Frames& frames, const Position& u);
+
+/// The inverse: u = Rz(-rotation) (m - origin - tool_offset).
+[[nodiscard]] Position program_of(const Frames& frames, const Position& m);
+
+}  // namespace abbe::verifying
