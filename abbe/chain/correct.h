@@ -22,22 +22,27 @@ enum class Status { ok, partial, degraded, failed };
 
 struct CorrectOptions {
   Method method = Method::newton;
-  AxisSet locked = 0;                        ///< in addition to axes that are not correctable
+  AxisSet locked = 0;  ///< in addition to axes that are not correctable
+  /// Redundant free axes only: sum (weight_i dq_i)^2 (mm, rad) is minimised; 0 stands for 1.
+  std::array<double, kMaxAxes> weights{};
   double max_rotary_correction = 0.5 * deg;  ///< beyond it the axis is held at its command
-  Vec3 target_shift = Vec3::Zero();          ///< workpiece axes, mm: the tip shall reach nominal + shift (datum)
-  double position_tolerance = 1e-9;          ///< mm, of the last step
-  double rotation_tolerance = 1e-12;         ///< rad
+  Vec3 target_shift = Vec3::Zero();  ///< workpiece axes, mm: the tip shall reach nominal + shift (datum)
+  /// The iteration ends when the next step is bound to be smaller, by the measured rate of contraction
+  /// (by 1/16 after the first step). With a close start and a loose tolerance that is one evaluation.
+  double position_tolerance = 1e-9;   ///< mm
+  double rotation_tolerance = 1e-12;  ///< rad
   int max_iterations = 20;
 };
 
 struct Correction {
   std::array<double, kMaxAxes> corrected{};  ///< commands that bring the tool where it was meant to be
-  double residual_position = 0;              ///< mm, distance of the tip from its target
-  double residual_direction = 0;             ///< rad, angle between actual and target tool axes
+  double residual_position =
+      0;  ///< mm, distance of the tip from its target (with what the last step may leave)
+  double residual_direction = 0;  ///< rad, angle between actual and target tool axes
   Status status = Status::failed;
-  int iterations = 0;
-  bool outside = false;                      ///< an error was held beyond its measured ends
-  AxisSet held = 0;                          ///< axes held at their command
+  int iterations = 0;    ///< model evaluations
+  bool outside = false;  ///< an error was held beyond its measured ends
+  AxisSet held = 0;      ///< axes held at their command (singularity) or at the end of their travel
 };
 
 /// Which axes `correct` may move, after the rule for redundant ones (more than three linear or two
@@ -46,12 +51,17 @@ struct Correction {
 [[nodiscard]] std::optional<AxisSet> free_axes(const Machine& machine, AxisSet locked);
 
 /// Corrects one command: rotary axes restore the tool direction, linear axes the position.
-/// start     a first guess of the corrected commands (the previous one of a path), or null
-/// errors    status failed for non-finite input or when the iteration does not converge; never NaN
+/// start     a first guess of the corrected commands, or null (= the command). On a path the best guess
+///           is the command plus the correction of the point before. Ignored for redundant axes.
+/// status    of Method::one_step: ok means that the whole step could be made; its second-order rest is
+///           in the residual, whatever its size. Newton: ok means residual_position <= 1e-6 mm.
+/// errors    failed for non-finite input or when the iteration does not converge; never NaN. Commands
+///           that are no numbers come back as 0
 /// laws      ActualOfCorrectedIsNominal, ZeroErrorsChangeNothing, WarmStartGivesTheSameAnswer
 /// cost      no allocation; one model evaluation per iteration
 /// source    docs/theory/correction.md
-[[nodiscard]] Correction correct(const Plan& plan, const Query& query, AxisSet free, const CorrectOptions& options,
+[[nodiscard]] Correction correct(const Plan& plan, const Query& query, AxisSet free,
+                                 const CorrectOptions& options,
                                  const std::array<double, kMaxAxes>* start = nullptr);
 
 }  // namespace abbe

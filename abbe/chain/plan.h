@@ -37,10 +37,10 @@ struct Tool {
 
 /// One question to the model: commanded positions and what else errors may depend on.
 struct Query {
-  std::array<double, kMaxAxes> q{};               ///< per moving axis, mm or rad
-  std::array<signed char, kMaxAxes> approach{};   ///< -1, 0, +1: direction of the last motion
+  std::array<double, kMaxAxes> q{};              ///< per moving axis, mm or rad
+  std::array<signed char, kMaxAxes> approach{};  ///< -1, 0, +1: direction of the last motion
   Tool tool;
-  std::span<const double> velocity{};             ///< per moving axis in file units/s; empty = Environment or 0
+  std::span<const double> velocity{};  ///< per moving axis in file units/s; empty = Environment or 0
   std::span<const double> acceleration{};
 };
 
@@ -64,7 +64,8 @@ struct MissingSensors {
 };
 
 /// errors   MissingSensors; names in `environment` that no error uses are ignored
-[[nodiscard]] std::variant<Plan, MissingSensors> make_plan(const Machine& machine, const Environment& environment,
+[[nodiscard]] std::variant<Plan, MissingSensors> make_plan(const Machine& machine,
+                                                           const Environment& environment,
                                                            ErrorModel model = ErrorModel::rigid);
 
 }  // namespace abbe

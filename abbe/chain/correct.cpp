@@ -1,0 +1,348 @@
+#include "abbe/chain/correct.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "abbe/chain/correction_step.h"
+#include "abbe/chain/plan_impl.h"
+#include "abbe/chain/walk.h"
+
+namespace abbe {
+namespace {
+
+constexpr double kOkPosition = 1e-6;     // mm: what status ok may leave
+constexpr double kOkDirection = 1e-11;   // rad: a direction that counts as restored
+constexpr double kFirstRate = 1.0 / 16;  // contraction assumed before one was measured
+constexpr double kLeastRate = 1e-3;      // and never less, however lucky two steps were
+constexpr double kSlow = 0.1;            // contraction beyond which the Jacobian is renewed
+constexpr double kStalled = 1e3;         // times the tolerance: rounding of far positions, kinks of tables
+
+using Commands = std::array<double, kMaxAxes>;
+
+[[nodiscard]] bool all_finite(const Commands& q) {
+  return std::all_of(q.begin(), q.end(), [](double x) { return std::isfinite(x); });
+}
+
+[[nodiscard]] AxisSet bit(int axis) { return AxisSet{1} << axis; }
+
+/// The tip and the tool axis of the model's machine.
+struct Actual {
+  Vec3 p, a;
+};
+
+class Corrector {
+ public:
+  Corrector(const Plan& plan, const Query& query, AxisSet free, const CorrectOptions& options)
+      : plan_(plan.impl()),
+        query_(query),
+        options_(options),
+        free_(free & ~options.locked),
+        inputs_(plan_, query) {}
+
+  [[nodiscard]] Correction run(const Commands* start) {
+    result_.corrected = query_.q;
+    if (!all_finite(query_.q)) {
+      for (double& x : result_.corrected) x = std::isfinite(x) ? x : 0.0;
+      return result_;
+    }
+    Inputs<double> nominal;
+    nominal.q = query_.q.data();
+    nominal.tip = query_.tool.tip;
+    columns_.v[0] = query_.tool.axis;
+    walk_columns(plan_, nominal, columns_);
+    target_axis_ = columns_.v[0];
+    target_ = columns_.p + options_.target_shift;
+    prepare(columns_);
+    for (int i = 0; i < plan_.axis_count; ++i) set_limits(i);
+
+    q_ = query_.q;
+    const bool done = options_.method == Method::one_step ? one_step() : newton(start);
+    finish(done);
+    return result_;
+  }
+
+ private:
+  void set_limits(int i) {
+    const auto k = static_cast<std::size_t>(i);
+    const auto& range = plan_.machine->axis(i).range;
+    // A command outside the travels is the caller's affair: it may stay, not go farther.
+    lo_[k] =
+        range.has_value() ? std::min((*range)[0], query_.q[k]) : -std::numeric_limits<double>::infinity();
+    hi_[k] = range.has_value() ? std::max((*range)[1], query_.q[k]) : std::numeric_limits<double>::infinity();
+  }
+
+  void prepare(const CarriedColumns& columns) {
+    step_.prepare(*plan_.machine, columns, target_axis_, free_ & ~result_.held & ~idle_, options_.weights);
+    if (step_.singular_axis() == CorrectionStep::kNone) return;
+    // Two axes that turn the tool about one line: one of them rests. Whether that costs anything is
+    // seen at the end.
+    idle_ |= bit(step_.singular_axis());
+    step_.prepare(*plan_.machine, columns, target_axis_, free_ & ~result_.held & ~idle_, options_.weights);
+  }
+
+  [[nodiscard]] Actual actual() {
+    inputs_.move_to(q_);
+    bool outside = plan_.constant_outside;
+    Actual at;
+    if (plan_.model == ErrorModel::first_order) {
+      CarriedTwist<double, 1> c;
+      c.v[0] = query_.tool.axis;
+      walk_first_order<double, 1>(plan_, inputs_.inputs(), c, &outside);
+      at = {c.p + c.dp, c.v[0] + c.e.cross(c.v[0])};
+    } else {
+      Carried<double, 1> c;
+      c.v[0] = query_.tool.axis;
+      walk<double, 1>(plan_, plan_.actual, inputs_.inputs(), c, &outside);
+      at = {c.p, c.v[0]};
+    }
+    result_.outside = outside;
+    ++result_.iterations;
+    return at;
+  }
+
+  [[nodiscard]] Residual residual_of(const Actual& at) const { return {at.p - target_, step_.across(at.a)}; }
+
+  void measure(const Residual& r, double cosine, double allowance_mm) {
+    result_.residual_position = r.position.norm() + allowance_mm;
+    result_.residual_direction = std::atan2(r.direction.norm(), cosine);
+  }
+
+  /// An axis that the step would take out of its travel, or a rotary axis that it would turn too far;
+  /// -1 if none. The worst one: the others may do without such steps once it is held.
+  [[nodiscard]] int excessive(const Commands& dq) const {
+    int worst = -1;
+    double most = options_.max_rotary_correction;
+    for (int i = 0; i < step_.rotary_count(); ++i) {
+      const int axis = step_.rotary()[static_cast<std::size_t>(i)];
+      const auto k = static_cast<std::size_t>(axis);
+      const double by = std::abs(q_[k] + dq[k] - query_.q[k]);
+      if (!(by <= most)) {
+        most = by;
+        worst = axis;
+      }
+    }
+    return worst;
+  }
+
+  [[nodiscard]] int beyond_travel(const Commands& dq) const {
+    constexpr double kSlack = 1e-9;
+    for (int i = 0; i < plan_.axis_count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      const double next = q_[k] + dq[k];
+      if (dq[k] != 0 && (next < lo_[k] - kSlack || next > hi_[k] + kSlack)) return i;
+    }
+    return -1;
+  }
+
+  void hold(int axis, double at) {
+    result_.held |= bit(axis);
+    q_[static_cast<std::size_t>(axis)] = at;
+    prepare(columns_);
+  }
+
+  /// True if the step had to be given up because an axis is now held.
+  [[nodiscard]] bool held_instead(const Commands& dq) {
+    if (const int axis = excessive(dq); axis >= 0) {
+      q_ = held_start();
+      hold(axis, query_.q[static_cast<std::size_t>(axis)]);
+      return true;
+    }
+    if (const int axis = beyond_travel(dq); axis >= 0) {
+      const auto k = static_cast<std::size_t>(axis);
+      hold(axis, std::clamp(q_[k] + dq[k], lo_[k], hi_[k]));
+      return true;
+    }
+    return false;
+  }
+
+  /// The command, with axes that already rest at an end of their travel left there.
+  [[nodiscard]] Commands held_start() const {
+    Commands q = query_.q;
+    for (int i = 0; i < plan_.axis_count; ++i) {
+      if ((result_.held & bit(i)) != 0) q[static_cast<std::size_t>(i)] = q_[static_cast<std::size_t>(i)];
+    }
+    return q;
+  }
+
+  void move(const Commands& dq) {
+    for (std::size_t k = 0; k < static_cast<std::size_t>(plan_.axis_count); ++k) q_[k] += dq[k];
+  }
+
+  /// The larger of both steps in units of its tolerance.
+  [[nodiscard]] double size_of(const Commands& dq, double& linear_mm) const {
+    double linear = 0, rotary = 0;
+    for (int i = 0; i < plan_.axis_count; ++i) {
+      const double x = dq[static_cast<std::size_t>(i)];
+      (plan_.machine->axis(i).type == AxisType::rotary ? rotary : linear) += x * x;
+    }
+    linear_mm = std::sqrt(linear);
+    return std::max(linear_mm / options_.position_tolerance, std::sqrt(rotary) / options_.rotation_tolerance);
+  }
+
+  [[nodiscard]] bool newton(const Commands* start) {
+    if (start != nullptr && all_finite(*start) && !step_.redundant()) begin_at(*start);
+    double before = 0;  // size of the step before, 0 = none since the last hold
+    for (int i = 0; i < options_.max_iterations; ++i) {
+      const Actual at = actual();
+      const Residual r = residual_of(at);
+      const double cosine = at.a.dot(target_axis_);
+      Residual left;
+      const Commands dq = step_.solve(r, left);
+      if (!all_finite(dq) || !(cosine > 0)) return false;
+      if (held_instead(dq)) {
+        before = 0;
+        continue;
+      }
+      double linear_mm = 0;
+      const double size = size_of(dq, linear_mm);
+      move(dq);
+      const double rate = before > 0 ? size / before : kFirstRate;
+      const double safe_rate = before > 0 ? std::clamp(4 * rate, kLeastRate, 1.0) : kFirstRate;
+      const bool last = i + 1 == options_.max_iterations;
+      if (size <= 1 || size * safe_rate <= 1 || (last && size <= kStalled)) {
+        measure(left, cosine, safe_rate * linear_mm);
+        return true;
+      }
+      if (before > 0 && rate > kSlow) renew_jacobian();
+      before = size;
+    }
+    return false;
+  }
+
+  void begin_at(const Commands& start) {
+    for (int i = 0; i < plan_.axis_count; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if ((free_ & ~idle_ & bit(i)) == 0) continue;
+      const bool too_far = plan_.machine->axis(i).type == AxisType::rotary &&
+                           std::abs(start[k] - query_.q[k]) > options_.max_rotary_correction;
+      if (!too_far) q_[k] = std::clamp(start[k], lo_[k], hi_[k]);
+    }
+  }
+
+  void renew_jacobian() {
+    Inputs<double> in;
+    in.q = q_.data();
+    in.tip = query_.tool.tip;
+    CarriedColumns columns;
+    columns.v[0] = query_.tool.axis;
+    walk_columns(plan_, in, columns);
+    columns_ = columns;
+    prepare(columns_);
+  }
+
+  /// dq = -J^+ D_tool at the command: position rows dp, direction rows across(e x a).
+  [[nodiscard]] bool one_step() {
+    CarriedTwist<double, 1> c;
+    c.v[0] = query_.tool.axis;
+    bool outside = plan_.constant_outside;
+    walk_first_order<double, 1>(plan_, inputs_.inputs(), c, &outside);
+    const Residual r = {c.dp - options_.target_shift, step_.across(c.e.cross(target_axis_))};
+    Residual left;
+    Commands dq = step_.solve(r, left);
+    for (int i = 0; i <= plan_.axis_count; ++i) {
+      if (!all_finite(dq)) return false;
+      if (const int axis = excessive(dq); axis >= 0) {
+        hold(axis, query_.q[static_cast<std::size_t>(axis)]);
+      } else if (const int end = beyond_travel(dq); end >= 0) {
+        hold_at_end(end, dq);
+      } else {
+        break;
+      }
+      dq = step_.solve(moved(r), left);
+    }
+    move(dq);
+    rest_ = left;
+    const Actual at = actual();
+    result_.outside = result_.outside || outside;
+    measure(residual_of(at), at.a.dot(target_axis_), 0);
+    return true;
+  }
+
+  void hold_at_end(int axis, const Commands& dq) {
+    const auto k = static_cast<std::size_t>(axis);
+    const double end = std::clamp(q_[k] + dq[k], lo_[k], hi_[k]);
+    shift_.position += columns_.position.col(axis) * (end - q_[k]);
+    shift_.direction += step_.across(columns_.tool_axis.col(axis)) * (end - q_[k]);
+    hold(axis, end);
+  }
+
+  /// The residual after what held axes already did.
+  [[nodiscard]] Residual moved(const Residual& r) const {
+    return {r.position + shift_.position, r.direction + shift_.direction};
+  }
+
+  void finish(bool done) {
+    const bool finite = std::isfinite(result_.residual_position) &&
+                        std::isfinite(result_.residual_direction) && all_finite(q_);
+    if (!done || !finite) {
+      fail();
+      return;
+    }
+    // A resting axis matters if the direction is not what it could be.
+    if (idle_ != 0 && result_.residual_direction > kOkDirection) result_.held |= idle_;
+    result_.corrected = q_;
+    const double allowed = std::max(kOkPosition, options_.position_tolerance);
+    const double missing =
+        options_.method == Method::one_step ? rest_.position.norm() : result_.residual_position;
+    if (result_.held != 0)
+      result_.status = Status::degraded;
+    else if (missing <= allowed)
+      result_.status = Status::ok;
+    else if (step_.position_rank() < 3)
+      result_.status = Status::partial;
+    else
+      fail();
+  }
+
+  /// The command goes back untouched, with what it leaves on this machine.
+  void fail() {
+    const int iterations = result_.iterations;
+    const bool outside = result_.outside;
+    result_ = Correction{};
+    result_.corrected = q_ = query_.q;
+    const Actual at = actual();
+    measure(residual_of(at), at.a.dot(target_axis_), 0);
+    if (!std::isfinite(result_.residual_position) || !std::isfinite(result_.residual_direction)) {
+      result_.residual_position = result_.residual_direction = 0;
+    }
+    result_.outside = result_.outside || outside;
+    result_.iterations = iterations;
+    result_.status = Status::failed;
+  }
+
+  const Plan::Impl& plan_;
+  const Query& query_;
+  const CorrectOptions& options_;
+  AxisSet free_;
+  AxisSet idle_ = 0;  ///< free axes that rest because another one turns the tool about the same line
+  QueryInputs inputs_;
+  CarriedColumns columns_;
+  CorrectionStep step_;
+  Vec3 target_ = Vec3::Zero(), target_axis_ = Vec3::UnitZ();
+  Commands q_{}, lo_{}, hi_{};
+  Residual rest_, shift_;  ///< of one_step
+  Correction result_;
+};
+
+}  // namespace
+
+std::string_view to_string(Status status) {
+  switch (status) {
+    case Status::ok:
+      return "ok";
+    case Status::partial:
+      return "partial";
+    case Status::degraded:
+      return "degraded";
+    case Status::failed:
+      break;
+  }
+  return "failed";
+}
+
+Correction correct(const Plan& plan, const Query& query, AxisSet free, const CorrectOptions& options,
+                   const std::array<double, kMaxAxes>* start) {
+  return Corrector(plan, query, free, options).run(start);
+}
+
+}  // namespace abbe
