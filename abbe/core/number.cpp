@@ -1,5 +1,6 @@
 #include "abbe/core/number.h"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cassert>
@@ -15,6 +16,7 @@ constexpr std::uint64_t kTwo52 = std::uint64_t{1} << 52;
 constexpr std::uint64_t kTwo53 = std::uint64_t{1} << 53;
 constexpr int kExactPowers = 22;        // 10^22 is the largest power of ten that is a double
 constexpr int kMaxMantissaDigits = 18;  // fit an int64
+constexpr int kMaxScaledDecimals = 15;  // 2^52 has 16 digits, one of them is in front of the point
 
 constexpr std::array<double, kExactPowers + 1> kPower10 = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                                            1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
@@ -98,34 +100,48 @@ Scaled scale(double magnitude, int decimals) {
   return {true, n};
 }
 
-constexpr auto kPairs = [] {
-  std::array<char, 200> pairs{};
-  for (std::size_t i = 0; i < 100; ++i) {
-    pairs[2 * i] = static_cast<char>('0' + i / 10);
-    pairs[2 * i + 1] = static_cast<char>('0' + i % 10);
-  }
-  return pairs;
-}();
-
-// Writes exactly `count` digits of n (leading zeros) that end before `end`.
-void write_digits(char* end, std::uint64_t n, int count) {
-  for (; count >= 2; count -= 2) {
-    end -= 2;
-    std::memcpy(end, &kPairs[2 * (n % 100)], 2);
-    n /= 100;
-  }
-  if (count == 1) *--end = static_cast<char>('0' + n % 10);
+// The eight decimal digits of n < 10^8 as bytes 0..9, the first one lowest.
+std::uint64_t digit_bytes(std::uint64_t n) {
+  const std::uint64_t fours = n / 10000 | (n % 10000) << 32;                   // 2 numbers below 10^4
+  const std::uint64_t hundreds = (fours * 10486 >> 20) & 0x0000007F0000007FU;  // fours / 100
+  const std::uint64_t twos = hundreds | (fours - 100 * hundreds) << 16;        // 4 numbers below 100
+  const std::uint64_t tens = (twos * 103 >> 10) & 0x000F000F000F000FU;         // twos / 10
+  return tens | (twos - 10 * tens) << 8;
 }
 
-int digit_count(std::uint64_t n) {
-  int count = 1;
-  for (; n >= 10000; n /= 10000) count += 4;
-  if (n >= 1000) return count + 3;
-  if (n >= 100) return count + 2;
-  return n >= 10 ? count + 1 : count;
+constexpr std::size_t kScaledSize =
+    24;  // room for a sign, 16 digits, the point and what is stored behind them
+
+// n with `decimals` <= 15 of its digits behind a point, n <= 2^52. Returns the count of bytes at `to` that
+// are the number, 17 at most; bytes behind them are written, too.
+std::size_t write_scaled(char* to, std::uint64_t n, int decimals) {
+  constexpr std::uint64_t kAscii = 0x3030303030303030U;
+  const auto behind = static_cast<std::size_t>(decimals);
+  if (std::endian::native == std::endian::little && n < 100'000'000 && decimals < 8) {
+    // The usual case stays in registers: leading zeros are shifted out, then the halves are stored.
+    const std::uint64_t digits = digit_bytes(n);
+    const auto leading = static_cast<std::size_t>(digits == 0 ? 8 : std::countr_zero(digits) / 8);
+    const std::size_t skip = std::min(leading, 7 - behind);
+    const std::size_t whole = 8 - skip - behind;
+    const std::uint64_t text = (digits | kAscii) >> (8 * skip);
+    const std::uint64_t tail = whole < 8 ? text >> (8 * whole) : 0;
+    std::memcpy(to, &text, 8);
+    to[whole] = '.';
+    std::memcpy(to + whole + 1, &tail, 8);
+    return whole + 1 + behind;
+  }
+  std::array<char, 16> digits;
+  for (std::size_t i = digits.size(); i-- > 0; n /= 10) digits[i] = static_cast<char>('0' + n % 10);
+  std::size_t skip = 0;
+  while (digits[skip] == '0' && skip < 15 - behind) ++skip;
+  const std::size_t whole = 16 - skip - behind;
+  std::memcpy(to, digits.data() + skip, whole);
+  to[whole] = '.';
+  std::memcpy(to + whole + 1, digits.data() + skip + whole, behind);
+  return whole + 1 + behind;
 }
 
-// Beyond 2^52 units of the last digit, or more than 22 digits: what the library writes.
+// Beyond 2^52 units of the last digit, or more than 15 of them: what the library writes.
 double append_fixed_slow(std::string& out, double value, int decimals) {
   const std::size_t start = out.size();
   out.resize(start + 320 + static_cast<std::size_t>(decimals));
@@ -155,33 +171,41 @@ Decimal read_decimal(std::string_view text) {
   }
   const char* const first = p;
 
-  // Up to 7 digits before and after the point, 8 bytes at a time and without a branch per digit.
+  // Up to 7 digits before the point and 15 behind it, 8 bytes at a time and without a branch per digit.
   if (std::endian::native == std::endian::little && text.size() >= 8) {
     const std::uint64_t head = load8(begin, p, end);
     const int whole = leading_digits(head);
-    if (whole < 8) {
-      std::uint64_t mantissa = whole == 0 ? 0 : eight_digits(head, whole);
-      p += whole;
-      int decimals = 0;
-      if (p != end && *p == '.') {
-        const std::uint64_t tail = load8(begin, p + 1, end);
-        decimals = leading_digits(tail);
-        out.has_point = true;
-        if (decimals > 0) {
+    std::uint64_t mantissa = whole == 0 ? 0 : eight_digits(head, whole);
+    int decimals = 0;
+    bool complete = whole < 8;
+    p += whole;
+    if (complete && p != end && *p == '.') {
+      out.has_point = true;
+      ++p;
+      for (int part = 0; part < 2; ++part) {
+        const std::uint64_t tail = load8(begin, p, end);
+        const int digits = leading_digits(tail);
+        if (digits > 0) {
           mantissa =
-              mantissa * kIntegerPower10[static_cast<std::size_t>(decimals)] + eight_digits(tail, decimals);
+              mantissa * kIntegerPower10[static_cast<std::size_t>(digits)] + eight_digits(tail, digits);
         }
-        p += 1 + decimals;
+        p += digits;
+        decimals += digits;
+        complete = digits < 8;
+        if (complete) break;
       }
-      if (decimals < 8) {
-        if (whole + decimals == 0) return {};
-        // mantissa < 10^14 < 2^53 and 10^decimals are exact, so their quotient is correctly rounded.
-        const double value = static_cast<double>(mantissa) / kPower10[static_cast<std::size_t>(decimals)];
-        out.value = negative ? -value : value;
-        out.decimals = decimals;
-        out.length = static_cast<std::size_t>(p - begin);
-        return out;
-      }
+    }
+    if (complete) {
+      if (whole + decimals == 0) return {};
+      out.decimals = decimals;
+      out.length = static_cast<std::size_t>(p - begin);
+      // 18 digits cannot have overflowed; mantissa and 10^decimals are exact, so their quotient is correctly
+      // rounded.
+      if (whole + decimals > kMaxMantissaDigits || mantissa >= kTwo53)
+        return read_long(first, p, out, negative);
+      const double value = static_cast<double>(mantissa) / kPower10[static_cast<std::size_t>(decimals)];
+      out.value = negative ? -value : value;
+      return out;
     }
     p = first;
     out.has_point = false;
@@ -229,31 +253,15 @@ double append_fixed(std::string& out, double value, int decimals) {
   assert(std::isfinite(value) && std::abs(value) < 1e12 && decimals >= 0);
   if (!std::isfinite(value) || decimals < 0) return 0;
   const auto [exact, n] = scale(std::abs(value), decimals);
-  if (!exact) return append_fixed_slow(out, value, decimals);
+  if (!exact || decimals > kMaxScaledDecimals) return append_fixed_slow(out, value, decimals);
 
   const bool negative = value < 0 && n != 0;
-  const int digits = digit_count(n);
-  const int whole = digits > decimals ? digits - decimals : 1;
-  std::array<char, 48> buffer;  // sign, at most 16 digits before and 22 after the point
-  char* const first = buffer.data() + 1;
-  const char* const end = first + whole + 1 + decimals;
-  std::uint64_t head = n;
-  if (decimals > 0) {
-    const int low = decimals < 8 ? decimals : 8;  // the last 8 decimals at most in one division
-    const int high = decimals - low;              // decimals before them
-    std::uint64_t rest = n % kIntegerPower10[static_cast<std::size_t>(low)];
-    head = n / kIntegerPower10[static_cast<std::size_t>(low)];
-    write_digits(first + whole + 1 + decimals, rest, low);
-    for (int i = 0; i < high; ++i) {
-      first[whole + high - i] = static_cast<char>('0' + head % 10);
-      head /= 10;
-    }
-  }
-  first[whole] = '.';
-  write_digits(first + whole, head, whole);
-  if (negative) buffer[0] = '-';
-  const char* const start = negative ? buffer.data() : first;
-  out.append(start, static_cast<std::size_t>(end - start));
+  std::array<char, kScaledSize> buffer{};
+  buffer[0] = '-';
+  const std::size_t sign = negative ? 1 : 0;
+  const std::size_t end = out.size() + sign + write_scaled(buffer.data() + sign, n, decimals);
+  out.append(buffer.data(), kScaledSize);  // one size for all is faster
+  out.resize(end);
   // n <= 2^52 and 10^decimals are exact: this is the double nearest to what was written.
   const double seen = static_cast<double>(n) / kPower10[static_cast<std::size_t>(decimals)];
   return negative ? -seen : seen;
