@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "abbe/core/diagnostic.h"
@@ -15,8 +16,8 @@ namespace abbe {
 struct ToolEntry {
   int number = 0;
   int pocket = 0;
-  std::array<double, 3> offset{};       ///< X Y Z, mm, what the control applies with H
-  std::optional<double> gauge;          ///< `gauge=` in the comment, mm
+  std::array<double, 3> offset{};  ///< X Y Z, mm, what the control applies with H
+  std::optional<double> gauge;     ///< `gauge=` in the comment or as a word, mm, >= 0
   double diameter = 0;
   std::string comment;
 };
@@ -33,9 +34,9 @@ struct ControlSetup {
   std::array<std::optional<WorkOffset>, 9> work_offsets;  ///< G54 G55 G56 G57 G58 G59 G59.1 G59.2 G59.3
   std::map<int, ToolEntry> tools;                         ///< by tool number
   std::map<int, double> gauges;                           ///< --gauge: tool number -> gauge length, mm
-  std::optional<int> loaded_tool;                         ///< in the spindle at the start; none = the machine file's tool
-  std::array<std::optional<double>, 3> start;             ///< machine position before the program, if known
-  enum class BlockDelete { unknown, on, off };            ///< on: blocks with '/' are skipped
+  std::optional<int> loaded_tool;  ///< in the spindle at the start; none = the machine file's tool
+  std::array<std::optional<double>, 3> start;   ///< machine position before the program, if known
+  enum class BlockDelete { unknown, on, off };  ///< on: blocks with '/' are skipped
   BlockDelete block_delete = BlockDelete::unknown;
 };
 
@@ -43,18 +44,23 @@ struct ControlSetup {
 [[nodiscard]] std::optional<int> work_offset_index(std::string_view name);
 
 /// Reads a LinuxCNC tool table ("T1 P1 Z100.5 D10 ; mill gauge=112.4"). Lengths are in mm.
-[[nodiscard]] Parsed<std::map<int, ToolEntry>> read_tool_table(const std::string& file, const std::string& text);
+/// errors   words that are not understood, a tool twice, offsets of axes other than X Y Z
+[[nodiscard]] Parsed<std::map<int, ToolEntry>> read_tool_table(const std::string& file,
+                                                               const std::string& text);
 
 /// Reads a LinuxCNC parameter file (var): G54..G59.3 origins and rotations (5221..5390), lengths in mm.
+/// A work offset is set if the file holds any of its parameters; those it does not hold are 0.
+/// errors   an active G92 offset and work offsets of axes other than X Y Z, which are not followed
 [[nodiscard]] Parsed<ControlSetup> read_parameter_file(const std::string& file, const std::string& text);
 
 /// The lever arm of the tool in the spindle (docs/machine-file.md, compensate): --gauge, else gauge=, else
 /// the table's Z offset, else the machine file's length (tool number absent or not in any table).
 struct GaugeLength {
-  double length = 0;           ///< mm
+  double length = 0;  ///< mm
   enum class Source { option, table_comment, table_offset, machine_file } source = Source::machine_file;
-  bool touch_off = false;      ///< a negative table offset: not a length; refused when angular errors exist
+  bool touch_off = false;  ///< a negative table offset: not a length; refused when angular errors exist
 };
-[[nodiscard]] GaugeLength gauge_length(const ControlSetup& setup, const Machine& machine, std::optional<int> tool);
+[[nodiscard]] GaugeLength gauge_length(const ControlSetup& setup, const Machine& machine,
+                                       std::optional<int> tool);
 
 }  // namespace abbe

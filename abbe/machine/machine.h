@@ -4,6 +4,7 @@
 #include <map>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "abbe/core/linear_algebra.h"
@@ -42,13 +43,18 @@ struct Body {
   Vec3 origin = Vec3::Zero();      ///< of the body frame, bed frame at home, mm
   std::optional<std::array<double, 2>> range;  ///< travel; mm or rad
   std::vector<Factor> order;
-  std::optional<std::string> location;  ///< "line", "frame", "after" as given; empty for explicit orders and defaults
+  std::optional<std::string>
+      location;  ///< "line", "frame", "after" as given; empty for explicit orders and defaults
   bool errors_seen_at_tool = false;
-  std::optional<Vec3> measured_at;      ///< mm, bed frame at home
-  std::string address;                  ///< word in programs; empty if none
+  std::optional<Vec3> measured_at;  ///< mm, bed frame at home
+  std::string address;              ///< word in programs; empty if none
   bool correctable = true;
-  int axis = -1;                        ///< index among the moving axes; -1 for fixed bodies
+  int axis = -1;  ///< index among the moving axes; -1 for fixed bodies
 };
+
+/// True if the body's order lets this error act: some factor carries its class, and for location
+/// errors the part of it (along or across) that the order names is not zero.
+[[nodiscard]] bool carries(const Body& body, const ErrorName& name);
 
 struct ToolMount {
   Vec3 origin = Vec3::Zero();  ///< gauge point in the bed frame at home, mm
@@ -91,20 +97,22 @@ struct Calibration {
 /// A machine and its errors, as described by its file: an immutable value.
 struct Machine {
   std::string name;
-  std::string chain;                ///< as in the file
-  std::vector<Body> bodies;         ///< in chain order, from the workpiece to the tool
-  std::vector<int> axes;            ///< moving bodies in chain order: axis index -> index in bodies
+  std::string chain;         ///< as in the file
+  std::vector<Body> bodies;  ///< in chain order, from the workpiece to the tool
+  std::vector<int> axes;     ///< moving bodies in chain order: axis index -> index in bodies
   ToolMount tool;
   Vec3 workpiece_origin = Vec3::Zero();
   FileUnits units;
   std::vector<Variable> variables;  ///< first one position per moving axis (same index), then the others used
   std::vector<ErrorTerm> errors;    ///< in file order
   Calibration calibration;
-  std::string sha256;               ///< of the machine file and, if given apart, the errors file
-  std::vector<std::string> files;   ///< machine file, errors file, CSV files read
+  std::string sha256;              ///< of the machine file and, if given apart, the errors file
+  std::vector<std::string> files;  ///< machine file, errors file, CSV files read
 
   [[nodiscard]] int axis_count() const { return static_cast<int>(axes.size()); }
-  [[nodiscard]] const Body& axis(int i) const { return bodies[static_cast<std::size_t>(axes[static_cast<std::size_t>(i)])]; }
+  [[nodiscard]] const Body& axis(int i) const {
+    return bodies[static_cast<std::size_t>(axes[static_cast<std::size_t>(i)])];
+  }
   /// Index of the moving axis with that name, or -1.
   [[nodiscard]] int find_axis(std::string_view axis_name) const;
   /// Position of axis i: internal (mm, rad) = axis_unit(i) * number of the file.
@@ -122,11 +130,12 @@ struct BodyNumber {
 };
 [[nodiscard]] std::vector<BodyNumber> body_numbers(const Machine& machine);
 
-/// Rows L^0, L^1, ... until the first all-zero row, for bodies 1..n (column 0 is body 1).
+/// Rows L^0, L^1, ... until the first all-zero row, for bodies 1..n (column 0 is body 1). Total: a body
+/// that does not lead to the bed ends the array after n + 1 rows.
 [[nodiscard]] std::vector<std::vector<int>> lower_body_array(const std::vector<BodyNumber>& bodies);
 
-/// The error names that can act on this chain: six components per moving axis, and the location
-/// names that are not redundant with the choice of the axis' own coordinate.
+/// The error names that can act on this chain: six components per moving axis, and those of its six
+/// location names that its order carries (zero-position parts included).
 [[nodiscard]] std::vector<std::string> error_inventory(const Machine& machine);
 
 }  // namespace abbe

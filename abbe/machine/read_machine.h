@@ -21,7 +21,8 @@ struct MachineText {
 /// Reads a machine file (docs/machine-file.md), optionally with the errors of a second file in place
 /// of its [errors] table. All mistakes are reported, each with its place and a suggestion.
 /// Total: any bytes give a value or diagnostics.
-[[nodiscard]] Parsed<Machine> read_machine(const MachineText& machine, const std::optional<MachineText>& errors,
+[[nodiscard]] Parsed<Machine> read_machine(const MachineText& machine,
+                                           const std::optional<MachineText>& errors,
                                            const FileFetcher& fetch);
 
 /// The same from disk. A file that cannot be read is a diagnostic with code E-FILE.
