@@ -189,8 +189,10 @@ class Scanner {
       return refuse(fault_, column, 1, "E-NUMBER", fmt::format("no number after {}", letter),
                     "a word is a letter and a number", "complete the word");
     at_ += number.length;
-    if (at_ < line_.size() && is_number_start(line_[at_]))
-      return refuse(fault_, at_ + 1, 1, "E-NUMBER", fmt::format("the number after {} goes on strangely", letter),
+    next = at_;
+    while (next < line_.size() && is_blank(line_[next])) ++next;
+    if (next < line_.size() && is_number_start(line_[next]))
+      return refuse(fault_, next + 1, 1, "E-NUMBER", fmt::format("the number after {} goes on strangely", letter),
                     "two points or signs in one number", "write one number per word");
     if (!(std::abs(number.value) <= kMaxNumber))
       return refuse(fault_, column, at_ + 1 - column, "E-NUMBER", "the number is too large",

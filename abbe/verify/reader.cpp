@@ -107,11 +107,15 @@ struct ProgramReader::State {
     }
     std::string_view words = text;
     const bool numbered = first_block && (text[first] == 'O' || text[first] == 'o') && program_number(first, words);
-    if (!read_block(words, block, fault)) return refuse(fault);
+    const bool readable = read_block(words, block, fault);
     const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0;
     if (numbered && says_something) {
       fault = {"E-OWORD", first + 1, 1, "program number together with other words",
                "only a program number alone at the start is known", "give it a line of its own"};
+      return refuse(fault);
+    }
+    if (!readable) {
+      fault.column += text.size() - words.size();
       return refuse(fault);
     }
     if (says_something || numbered) first_block = false;

@@ -98,7 +98,7 @@ TEST(Reader, ArcsInAllPlanes) {
   EXPECT_LT((l.motions[1].centre - Vec3(0, 0, 0)).norm(), kExact);
   EXPECT_EQ(l.motions[2].turns, -1);
   EXPECT_LT((l.motions[2].centre - Vec3(0, 0, 0)).norm(), 1e-12);
-  EXPECT_LT((l.motions[3].centre - Vec3(10, 10, 0)).norm(), 1e-12) << l.motions[3].centre.transpose();
+  EXPECT_LT((l.motions[3].centre - Vec3(0, 0, 0)).norm(), 1e-12) << "clockwise and long: left of the chord";
   EXPECT_EQ(l.motions[4].turns, 2);
   EXPECT_EQ(l.motions[6].plane, 18);
   EXPECT_LT((l.motions[6].centre - Vec3(0, 0, 0)).norm(), kExact);
@@ -198,7 +198,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"G1 A10 F1\n", "E-ROTARY", 1, 4}, Refusal{"G1 U10 F1\n", "E-AXIS", 1, 4},
         Refusal{"G1 X1 E1\n", "E-WORD", 1, 7}, Refusal{"G0 X1E2\n", "E-WORD", 1, 6},
         Refusal{"G41 D1\n", "E-CUTCOM", 1, 1}, Refusal{"G5 X1\n", "E-GCODE", 1, 1}, Refusal{"M98 P1\n", "E-MCODE", 1, 1},
-        Refusal{"O1 sub\n", "E-WORD", 1, 7}, Refusal{"G0\nO2\n", "E-OWORD", 2, 1}, Refusal{"G0 X1 X2\n", "E-BLOCK", 1, 7},
+        Refusal{"O1 sub\n", "E-NUMBER", 1, 4}, Refusal{"O1 G0\n", "E-OWORD", 1, 1}, Refusal{"G0\nO2\n", "E-OWORD", 2, 1}, Refusal{"G0 X1 X2\n", "E-BLOCK", 1, 7},
         Refusal{"G0 G1 X1\n", "E-BLOCK", 1, 4}, Refusal{"M3 M4\n", "E-BLOCK", 1, 4}, Refusal{"X1\n", "E-MODE", 1, 1},
         Refusal{"G0 X1 I2\n", "E-WORD", 1, 7}, Refusal{"G0 X1 H2\n", "E-WORD", 1, 7}, Refusal{"G55 G0 X1\n", "E-WCS", 1, 1},
         Refusal{"G91 G10 L2 P1 X1\n", "E-G10", 1, 9}, Refusal{"G10 L1 P1 Z1\n", "E-G10", 1, 5},
