@@ -15,7 +15,7 @@ namespace abbe {
 ///
 /// shapes   positions strictly increasing, n >= 2; values: n (periodic: the last equals the first)
 /// cost     O(n)
-/// source   docs/theory/error-functions.md (5) to (7)
+/// source   docs/theory/error-functions.md (6) to (8)
 [[nodiscard]] std::vector<double> natural_spline(std::span<const double> positions,
                                                  std::span<const double> values);
 [[nodiscard]] std::vector<double> periodic_spline(std::span<const double> positions,
