@@ -294,8 +294,9 @@ void Rewriter::straight(const Move& move, std::string& out) {
       const double d = move.known0 == 7 ? way[static_cast<Eigen::Index>(k)] : 0.0;
       approach[k] = d > kSameWay ? 1 : d < -kSameWay ? -1 : approach_[k];
     }
-    turned = approach != approach_;
+    turned = approach != approach_ && field_.depends_on_direction();
     approach_ = approach;
+    if (turned) last_correction_.reset();  // it was for the other direction
   }
   if (out_.frames.rotated() && (withheld_ & 3u)) {
     refuse_block("E-ROTATION", "X or Y stands in machine coordinates in a rotated work offset", "its correction cannot be withheld there", "command X and Y after G53");
@@ -320,10 +321,10 @@ void Rewriter::straight(const Move& move, std::string& out) {
   bool takes_up = false;
   if (feed) {
     const double length = way.norm();
-    const bool look = length > 2 * interpolation_ / job_.max_gradient || (turned && field_.depends_on_direction());
+    const bool look = length > 2 * interpolation_ / job_.max_gradient || turned;
     if (look) {
       if (!sample_line(move, *c1, approach)) return;
-      takes_up = turned && start_corrected_ && field_.depends_on_direction() &&
+      takes_up = turned && start_corrected_ &&
                  (move.m0 + samples_.front().correction - out_.m).norm() > interpolation_;
       if (takes_up && modal_.feed_mode == 930) {
         refuse_block("E-REVERSAL", "lost motion must be taken up in an inverse-time (G93) block", "the extra block would need a time of its own", "post with G94");

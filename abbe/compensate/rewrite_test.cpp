@@ -1,0 +1,278 @@
+#include "abbe/compensate/rewrite.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "abbe/compensate/rewrite_fixture.h"
+
+namespace abbe {
+namespace {
+
+using testing::plain_job;
+using testing::poly;
+using testing::rewrite;
+using testing::three_axes;
+
+/// The tool stands 10 um too far in +X, 20 um too low, everywhere: the output is X - 0.010, Z + 0.020.
+Machine offset_machine() {
+  return three_axes({{"EXX", ErrorFunction::constant(0.010)}, {"EZZ", ErrorFunction::constant(-0.020)}});
+}
+/// X is 1e-4 too long, and straightness bends Z: something varies along every move.
+Machine bent_machine() {
+  return three_axes({{"EXX", poly(0, {0, 1e-4})}, {"EZX", poly(0, {0, 0, 2e-6})}, {"EYY", poly(1, {0, -5e-5})}});
+}
+
+TEST(Rewrite, ZeroErrorsChangeNoByte) {
+  const std::string program =
+      "%\r\nO1234\r\n(a comment \xE9)\r\nN10 G21 g90 G54\r\nG0 X0 Y0 Z5.\r\nG1 z-1.00 F300\r\nG1X+10.Y1 . 5\r\n"
+      "G91 G1 X-.5\r\nG2 X1 I.5\r\nG90\r\n\r\n; rest\r\nM30\r\n%\r\ntail without meaning #1";
+  const auto result = rewrite(three_axes({}), program);
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, program);
+}
+
+TEST(Rewrite, CorrectionOpposesTheError) {
+  const auto result = rewrite(offset_machine(), "G0 X0 Y0 Z5\nG1 X100 F500\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, "G0 X-0.0100 Y0 Z5.0200\nG1 X99.9900 F500\nM2\n");
+}
+
+TEST(Rewrite, WordsOfAllAxesAreAddedOnlyWhenNeeded) {
+  // Z bends along X: 2e-6 * 100^2 = 0.02 at X100, so Z gets a word of its own.
+  const auto result = rewrite(three_axes({{"EZX", poly(0, {0, 2e-5})}}), "G0 X0 Y0 Z5\nG1 X100 F500 (cut)\nG1 Y10\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, "G0 X0 Y0 Z5\nG1 X100 F500 Z4.9980 (cut)\nG1 Y10\nM2\n");
+}
+
+TEST(Rewrite, NothingIsInventedBeforeAllAxesAreKnown) {  // H19
+  const auto result = rewrite(offset_machine(), "G0 X10 Y10\nG0 Z5\nG1 X20 F100\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, "G0 X10 Y10\nG0 Z5.0200 X9.9900\nG1 X19.9900 F100\nM2\n");
+}
+
+TEST(Rewrite, FeedFromAnUnknownPositionIsRefused) {
+  const auto result = rewrite(offset_machine(), "G0 X10 Y10\nG1 Z-5 F100\nM2\n");
+  EXPECT_FALSE(result.report.complete);
+  EXPECT_TRUE(result.has("E-POS")) << result.findings();
+}
+
+TEST(Rewrite, MachineCoordinatesAreLeftAlone) {  // H1
+  const auto result = rewrite(offset_machine(), "G0 X0 Y0 Z5\nG1 X10 F100\nG53 G0 Z0\nG0 X50\nG0 Z5\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, "G0 X-0.0100 Y0 Z5.0200\nG1 X9.9900 F100\nG53 G0 Z0\nG0 X49.9900\nG0 Z5.0200\nM2\n");
+}
+
+TEST(Rewrite, IncrementsSumToTheCorrectedPosition) {  // H2
+  const auto result = rewrite(bent_machine(), "G0 X0 Y0 Z5\nG91\nG1 X25 F100\nG1 X25\nG1 X-50\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  // X: -25e-4, Z: -2e-6*625 = -0.00125
+  EXPECT_NE(result.text.find("G1 X24.9975 F100 Z-0.0012\n"), std::string::npos) << result.text;
+  EXPECT_NE(result.text.find("G1 X24.9975 Z-0.0038\n"), std::string::npos) << result.text;
+  // 50 mm back bend by 1.25 um: two pieces, which end where the absolute position says
+  EXPECT_NE(result.text.find("G1 X-29.9970 Z0.0042\nX-19.9980 Z0.0008\n"), std::string::npos) << result.text;
+}
+
+TEST(Rewrite, LongMovesAreSplitWhereTheCorrectionBends) {
+  const auto result = rewrite(bent_machine(), "G0 X0 Y0 Z5\nN10 G1 X200 F500 M8 (move)\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.report.blocks.split, 1u);
+  // sagitta 2e-6 h^2 / 4 <= 0.5 um  =>  h <= 31.6 mm
+  EXPECT_GE(result.report.lines_out, 3u + 6u);
+  EXPECT_LE(result.report.lines_out, 3u + 10u);
+  EXPECT_EQ(result.text.substr(result.text.find("N10"), 6), "N10 G1");
+  EXPECT_NE(result.text.find("F500 M8"), std::string::npos) << result.text;
+  EXPECT_NE(result.text.find("(move)\nX"), std::string::npos) << result.text;
+}
+
+TEST(Rewrite, ModalWordsOfASplitBlockSurviveOnce) {  // H3
+  const auto result = rewrite(bent_machine(), "G0 X0 Y0 Z5\nG20 G90 G1 X8 F20\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_GT(result.report.blocks.split, 0u);
+  EXPECT_EQ(result.text.find("G20"), result.text.rfind("G20"));
+  EXPECT_NE(result.text.find("X7.99920"), std::string::npos) << result.text;  // five decimals in inch
+}
+
+TEST(Rewrite, InverseTimeIsSharedByThePieces) {  // H4
+  const auto result = rewrite(bent_machine(), "G0 X0 Y0 Z5\nG93 G1 X200 F2\nG94\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  double time = 0;
+  std::size_t at = result.text.find("G93");
+  while ((at = result.text.find('F', at)) != std::string::npos) time += 1 / std::stod(result.text.substr(++at));
+  EXPECT_NEAR(time, 0.5, 1e-4);
+}
+
+TEST(Rewrite, StopsComeAfterTheLastPieceAndCoolantBeforeTheFirst) {  // H26
+  const auto result = rewrite(bent_machine(), "G0 X0 Y0 Z5\nG1 X200 F500 M5 M0\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  const std::size_t first = result.text.find('\n', result.text.find("G1"));
+  EXPECT_LT(result.text.find("M5"), first);
+  EXPECT_GT(result.text.find("M0"), first);
+  EXPECT_NE(result.text.find("X199.9800 Z4.9200 M0\n"), std::string::npos) << result.text;
+}
+
+TEST(Rewrite, BlockDeleteStandsOnEveryPiece) {  // H13
+  RewriteJob job = plain_job();
+  job.setup.block_delete = ControlSetup::BlockDelete::off;
+  const auto result = rewrite(bent_machine(), "G0 X0 Y0 Z5\n/G1 X200 F500\nM2\n", job);
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  std::size_t slashes = 0;
+  for (const char c : result.text) slashes += c == '/' ? 1 : 0;
+  EXPECT_EQ(slashes, result.report.lines_out - 2);
+}
+
+TEST(Rewrite, BlockDeleteMustBeStated) {
+  const auto result = rewrite(bent_machine(), "G0 X0 Y0 Z5\n/G1 X200 F500\nM2\n");
+  EXPECT_TRUE(result.has("E-SKIP")) << result.findings();
+}
+
+TEST(Rewrite, G92KeepsTheFrame) {  // H15
+  const auto result = rewrite(offset_machine(), "G0 X10 Y0 Z5\nG92 X0\nG1 X5 F100\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, "G0 X9.9900 Y0 Z5.0200\nG92 X-0.010000\nG1 X4.9900 F100\nM2\n");
+}
+
+TEST(Rewrite, G10L20KeepsTheFrame) {
+  const auto result = rewrite(offset_machine(), "G0 X10 Y0 Z5\nG10 L20 P1 X0\nG1 X5 F100\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, "G0 X9.9900 Y0 Z5.0200\nG10 L20 P1 X-0.010000\nG1 X4.9900 F100\nM2\n");
+}
+
+TEST(Rewrite, FullCircleEndsWhereItStarts) {  // H10
+  const auto result = rewrite(offset_machine(), "G0 X0 Y0 Z5\nG2 I10 F100\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, "G0 X-0.0100 Y0 Z5.0200\nG2 I10 F100\nM2\n");
+}
+
+TEST(Rewrite, ArcsStayArcs) {
+  // squareness makes an ellipse: 50 urad on R50
+  const auto result = rewrite(three_axes({{"EC0Y", ErrorFunction::constant(50e-6)}}), "G0 X0 Y0 Z5\nG3 X0 Y0 I50 J0 F100\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.report.arcs_in, 1u);
+  EXPECT_GE(result.report.arcs_out, 3u);
+  EXPECT_LE(result.report.arcs_out, 6u);
+}
+
+TEST(Rewrite, RadiusFormNearAHalfCircleGetsACentre) {  // H11
+  const double x = 2 * 20 * std::sin(179.9 / 2 * deg);
+  const auto result = rewrite(bent_machine(), "G0 X0 Y0 Z5\nG2 X" + std::to_string(x) + " Y0 R20 F100\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text.find('R'), std::string::npos) << result.text;
+  EXPECT_NE(result.text.find('I'), std::string::npos) << result.text;
+}
+
+TEST(Rewrite, TinyArcNeverBecomesAFullCircle) {  // H9
+  const auto result = rewrite(bent_machine(), "G0 X100.00004 Y0 Z5\nG2 X100.00006 Y0 I0.00001 J-10 F100\nG1 X90\nM2\n");
+  if (!result.report.complete) return;  // refused is safe too
+  EXPECT_EQ(result.text.find("G2 X100.0000 Y0"), std::string::npos) << result.text;
+}
+
+TEST(Rewrite, CyclesAreShiftedAsAWhole) {  // H16
+  const auto result = rewrite(offset_machine(), "G0 X0 Y0 Z5\nG99 G81 X5 Y5 Z-3 R1 F100\nX9\nG80\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, "G0 X-0.0100 Y0 Z5.0200\nG99 G81 X4.9900 Y5 Z-2.9800 R1.0200 F100\nX8.9900\nG80\nM2\n");
+}
+
+TEST(Rewrite, FrameOfTheBlockHoldsForItsMotion) {  // H27
+  RewriteJob job = plain_job();
+  job.setup.work_offsets[1] = WorkOffset{{100, 0, 0}, 0};
+  const auto result = rewrite(three_axes({{"EXX", poly(0, {0, 1e-4})}}), "G0 X10 Y0 Z5\nG0 G55 X10 Y0\nM2\n", job);
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, "G0 X9.9990 Y0 Z5\nG0 G55 X9.9890 Y0\nM2\n");
+}
+
+TEST(Rewrite, ProbedDatumIsNotCorrected) {
+  RewriteJob job = plain_job();
+  job.setup.work_offsets[0] = WorkOffset{{100, 0, 0}, 0};
+  job.probed_datum = true;
+  const auto result = rewrite(three_axes({{"EXX", poly(0, {0, 1e-4})}}), "G0 X0 Y0 Z5\nG0 X10\nM2\n", job);
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, "G0 X0 Y0 Z5\nG0 X9.9990\nM2\n");
+}
+
+struct Refusal {
+  const char* program;
+  const char* code;
+  std::size_t line, column;
+};
+class RewriteRefuses : public ::testing::TestWithParam<Refusal> {};
+
+TEST_P(RewriteRefuses, WithPlaceAndReason) {
+  const Refusal& refusal = GetParam();
+  const auto result = rewrite(bent_machine(), refusal.program);
+  EXPECT_FALSE(result.report.complete);
+  bool found = false;
+  for (const auto& d : result.report.diagnostics) {
+    if (d.code != refusal.code) continue;
+    found = true;
+    EXPECT_EQ(d.place.line, refusal.line);
+    EXPECT_EQ(d.place.column, refusal.column);
+    EXPECT_FALSE(d.message.empty());
+    EXPECT_FALSE(d.why.empty());
+    EXPECT_FALSE(d.fix.empty());
+    break;
+  }
+  EXPECT_TRUE(found) << refusal.code << "\n" << result.findings();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Programs, RewriteRefuses,
+    ::testing::Values(Refusal{"G0 X0 Y0 Z0\nG1 X30 A90 F10\n", "E-ROTARY", 2, 8},   // H5
+                      Refusal{"G0 X0 Y0 Z0\nG1 X30 E5 F10\n", "E-WORD", 2, 8},      // H5
+                      Refusal{"G1 A90 F360\n", "E-ROTARY", 1, 4},                   // H6
+                      Refusal{"G0 X#100\n", "E-EXPR", 1, 5},                        // H17
+                      Refusal{"#100=#5041\n", "E-EXPR", 1, 1},                      // H17
+                      Refusal{"G68 X0 Y0 R45\n", "E-FRAME", 1, 1},                  // H18
+                      Refusal{"G77 X1\n", "E-GCODE", 1, 1},                         // H18
+                      Refusal{"G0 X0 Y0 Z0\nG41 D1\n", "E-CUTCOM", 2, 1},           // H25
+                      Refusal{"M98 P100\n", "E-MCODE", 1, 1},                       // H29
+                      Refusal{"G0 X0\no100 call\n", "E-NUMBER", 2, 6},
+                      Refusal{"G0 X0\nO100\n", "E-OWORD", 2, 1},
+                      Refusal{"G0 X1 X2\n", "E-BLOCK", 1, 7},
+                      Refusal{"G0 G1 X2\n", "E-BLOCK", 1, 4},
+                      Refusal{"X2\n", "E-MODE", 1, 1},
+                      Refusal{"G0 X1 H3\n", "E-WORD", 1, 7},
+                      Refusal{"G55 G0 X1\n", "E-WCS", 1, 1},
+                      Refusal{"G43 H7\n", "E-TOOL", 1, 1},
+                      Refusal{"G0 X0 Y0 Z0\nG2 X10\n", "E-ARC", 2, 1},
+                      Refusal{"G0 X0 Y0 Z0\nG2 X10 Y0 I4\n", "E-ARC", 2, 1},
+                      Refusal{"G0 X0 (open\n", "E-COMMENT", 1, 7},
+                      Refusal{"G0 X0 \x01\n", "E-CHAR", 1, 7},
+                      Refusal{"G0 X\n", "E-NUMBER", 1, 4},
+                      Refusal{"(ABBE COMPENSATED)\nG0 X0\n", "E-COMPENSATED", 1, 2},  // H22
+                      Refusal{"G92.3\n", "E-G92", 1, 1},
+                      Refusal{"G92 X0\n", "E-POS", 1, 5}));
+
+TEST(Rewrite, EveryRefusalIsListed) {
+  const auto result = rewrite(bent_machine(), "G0 X0 A1\nG68\nG0 X#1\n");
+  EXPECT_TRUE(result.has("E-ROTARY"));
+  EXPECT_TRUE(result.has("E-FRAME"));
+  EXPECT_TRUE(result.has("E-EXPR"));
+}
+
+TEST(Rewrite, TravelAndVolumeAreRefused) {  // H21
+  Machine machine = bent_machine();
+  machine.bodies[0].range = {{-10, 50}};
+  const auto travel = rewrite(machine, "G0 X60 Y0 Z0\nM2\n");
+  EXPECT_TRUE(travel.has("E-TRAVEL")) << travel.findings();
+  EXPECT_TRUE(travel.report.out_of_volume);
+  const auto table = ErrorFunction::table(0, {0, 50}, {0, 1e-3}, ErrorFunction::Interpolation::linear);
+  const auto volume = rewrite(three_axes({{"EXX", *table}}), "G0 X60 Y0 Z0\nM2\n");
+  EXPECT_TRUE(volume.has("E-VOL")) << volume.findings();
+}
+
+TEST(Rewrite, LargeCorrectionsAndGradientsAreRefused) {
+  EXPECT_TRUE(rewrite(three_axes({{"EXX", ErrorFunction::constant(0.6)}}), "G0 X0 Y0 Z0\nM2\n").has("E-CORRECTION"));
+  EXPECT_TRUE(rewrite(three_axes({{"EXX", poly(0, {0, 2e-3})}}), "G0 X0 Y0 Z0\nG1 X100 F1\nM2\n").has("E-GRADIENT"));
+}
+
+TEST(Rewrite, LostMotionIsTakenUpWhereAnAxisTurnsRound) {
+  RewriteJob job = plain_job();
+  job.reversal = true;
+  const auto machine = three_axes({{"EXX", ErrorFunction::directional(0, ErrorFunction::constant(0.005), ErrorFunction::constant(-0.005))}});
+  const auto result = rewrite(machine, "G0 X0 Y0 Z5\nG1 X10 F100\nG1 X0\nM2\n", job);
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_NE(result.text.find("G1 X9.9950 F100\nG1 X10.0050\nX0.0050\n"), std::string::npos) << result.text;
+}
+
+}  // namespace
+}  // namespace abbe
