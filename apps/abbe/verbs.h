@@ -1,0 +1,22 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+
+#include "session.h"
+
+namespace abbe::app {
+
+/// A verb of the program: its part of the command line, and what it does once that is read.
+struct Verb {
+  CLI::App* command = nullptr;
+  std::function<void()> run;
+};
+
+[[nodiscard]] Verb describe_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb predict_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb correct_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb inverse_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb signcheck_verb(CLI::App& program, Session& session);
+
+}  // namespace abbe::app
