@@ -74,13 +74,18 @@ std::optional<std::vector<ChainElement>> read_chain(const TomlNode& node, Findin
                    fmt::format("more than {} bodies are not supported", kMostElements), "shorten the chain");
     return std::nullopt;
   }
-  if (words.empty() || words.front().text != "w") {
-    findings.error("E-CHAIN-ENDS", words.empty() ? node.mark : words.front().mark,
-                   "the chain does not begin with w", std::string(kGrammar), std::string(kExample));
+  if (words.empty()) {
+    findings.error("E-CHAIN-ENDS", node.mark, "the chain is empty", std::string(kGrammar),
+                   std::string(kExample));
+    return std::nullopt;
+  }
+  if (words.front().text != "w") {
+    findings.error("E-CHAIN-ENDS", words.front().mark, "the chain does not begin with w",
+                   std::string(kGrammar), std::string(kExample));
   }
   if (words.size() < 2 || words.back().text != "t") {
-    findings.error("E-CHAIN-ENDS", words.empty() ? node.mark : words.back().mark,
-                   "the chain does not end with t", std::string(kGrammar), std::string(kExample));
+    findings.error("E-CHAIN-ENDS", words.back().mark, "the chain does not end with t", std::string(kGrammar),
+                   std::string(kExample));
   }
 
   std::vector<ChainElement> elements;

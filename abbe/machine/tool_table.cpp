@@ -32,7 +32,8 @@ struct GaugeWord {
 };
 std::optional<GaugeWord> find_gauge(std::string_view text) {
   for (std::size_t i = 0; i + kGauge.size() < text.size(); ++i) {
-    const bool word_begins = i == 0 || std::isalnum(static_cast<unsigned char>(text[i - 1])) == 0;
+    const bool word_begins =
+        i == 0 || (std::isalnum(static_cast<unsigned char>(text[i - 1])) == 0 && text[i - 1] != '_');
     if (!word_begins || !same_letters(text.substr(i, kGauge.size()), kGauge)) continue;
     std::size_t at = text.find_first_not_of(" \t", i + kGauge.size());
     if (at == std::string_view::npos || text[at] != '=') continue;
