@@ -37,8 +37,7 @@ bool equally_spaced(const std::vector<double>& x) {
   return true;
 }
 
-std::vector<double> linear_records(const std::vector<double>& x, const std::vector<double>& e,
-                                   bool periodic) {
+std::vector<double> linear_records(const std::vector<double>& x, const std::vector<double>& e) {
   std::vector<double> records;
   records.reserve(x.size() * kLinearRecord);
   double slope = 0;
@@ -46,7 +45,6 @@ std::vector<double> linear_records(const std::vector<double>& x, const std::vect
     if (i + 1 < x.size()) slope = (e[i + 1] - e[i]) / (x[i + 1] - x[i]);
     records.insert(records.end(), {x[i], e[i], slope});  // the end keeps the slope that leads to it
   }
-  if (periodic) records.back() = records[kLinearRecord - 1];
   return records;
 }
 
@@ -64,7 +62,6 @@ std::vector<double> cubic_records(const std::vector<double>& x, const std::vecto
     slope = chord + h * (second[i] + 2 * second[i + 1]) / 6;
   }
   records.insert(records.end(), {x.back(), e.back(), slope, second.back() / 2, 0.0});
-  if (periodic) std::copy_n(records.begin() + 1, kCubicRecord - 1, records.end() - (kCubicRecord - 1));
   return records;
 }
 
@@ -176,7 +173,7 @@ std::optional<ErrorFunction> ErrorFunction::table(int variable, std::vector<doub
       node.uniform ? static_cast<double>(positions.size() - 1) / (positions.back() - positions.front()) : 0;
   node.count = static_cast<std::uint32_t>(positions.size());
   std::vector<double> records = node.form == Form::cubic ? cubic_records(positions, values, periodic)
-                                                         : linear_records(positions, values, periodic);
+                                                         : linear_records(positions, values);
   if (!all_finite(records) || !std::isfinite(node.inverse_step))
     return std::nullopt;  // steps or values too extreme
   return leaf(node, std::move(records));

@@ -91,7 +91,8 @@ class ErrorFunction {
   //   cubic        count records x_i a_i b_i c_i d_i: e = a_i + b_i t + c_i t^2 + d_i t^3
   //   sine         A w phi
   //   grid         n_1 .. n_d, the d variables, the positions of each variable, the values (d = count)
-  // The last record of a table is its end (t = 0); of a periodic one it is the first again, one period on.
+  // The last record of a table is its end (t = 0); of a periodic one it is the first
+  // sample again, one period on, where v never gets.
   enum class Form : std::uint8_t {
     constant,
     polynomial,

@@ -521,6 +521,12 @@ TEST(ErrorFunction, KnotsAreWhereTheFormChanges) {
   const auto comb = sine.knots(0, 0, 8);
   ASSERT_EQ(comb.size(), 17U);
   for (std::size_t i = 0; i < comb.size(); ++i) EXPECT_NEAR(comb[i], 0.5 * static_cast<double>(i), kRounding);
+  const auto shifted = ErrorFunction::sine(0, 1, -0.5, 0.3, 2)->knots(0, -20, 20);
+  for (const double v : shifted) {
+    const double sixteenth = (-0.5 * (v - 2) + 0.3) / (std::numbers::pi / 8);
+    EXPECT_NEAR(sixteenth, std::round(sixteenth), kRounding);
+  }
+  EXPECT_GT(shifted.size(), 45U);
   const auto fast = ErrorFunction::sine(0, 1, 1e30, 0)->knots(0, -500, 500);
   EXPECT_LE(fast.size(), static_cast<std::size_t>(ErrorFunction::kMaxKnots) + 1);
   EXPECT_TRUE(std::is_sorted(fast.begin(), fast.end()));

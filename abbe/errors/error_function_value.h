@@ -38,7 +38,7 @@ template <class T>
   return T(x > hi ? hi : lo);
 }
 
-/// v moved by whole periods into [first, first + period].
+/// v moved by whole periods into [first, first + period).
 template <class T>
 [[nodiscard]] inline T wrapped(const T& v, double first, double period) {
   const double x = value_part(v);
@@ -46,8 +46,8 @@ template <class T>
   if (!std::isfinite(x)) return T(first);
   const double turns = std::floor((x - first) / period);
   const double reduced = x - turns * period;
-  // One unit in the last place below `first` is `first`; so is any x too large to have a place in a period.
-  if (!(reduced >= first && reduced <= first + period)) return T(v - T(x)) + T(first);
+  // What rounding moved onto an end is `first`; so is any x too large to have a place in a period.
+  if (!(reduced >= first && reduced < first + period)) return T(v - T(x)) + T(first);
   return v - T(turns * period);
 }
 
