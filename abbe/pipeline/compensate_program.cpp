@@ -1,0 +1,327 @@
+#include "abbe/pipeline/compensate_program.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "abbe/core/file.h"
+#include "abbe/report/figure.h"
+#include "abbe/report/header.h"
+
+namespace abbe {
+namespace {
+
+// Enough for a picture, little enough for a page.
+constexpr std::size_t kFigureSamples = 6000;
+constexpr std::size_t kSidecarLimit = std::size_t{1} << 24;
+
+Diagnostic about(const std::string& file, const char* code, std::string message, std::string why, std::string fix) {
+  Diagnostic d;
+  d.code = code;
+  d.place.file = file;
+  d.message = std::move(message);
+  d.why = std::move(why);
+  d.fix = std::move(fix);
+  return d;
+}
+
+/// One run: what is known so far.
+struct Run {
+  const Plan& plan;
+  const ProgramJob& job;
+  ProgramOutcome outcome;
+
+  void fail(ProgramEnd end, Diagnostic d) {
+    outcome.end = end;
+    outcome.diagnostics.push_back(std::move(d));
+  }
+  void fail(const std::string& path, const FileError& error) {
+    fail(error.missing || error.unsuitable ? ProgramEnd::invalid : ProgramEnd::io,
+         about(path, "E-FILE", error.message, "", "check the path, the permissions and the free space"));
+  }
+  void add(const Diagnostics& list) { outcome.diagnostics.insert(outcome.diagnostics.end(), list.begin(), list.end()); }
+
+  [[nodiscard]] ProgramReport report(const char* verb, const std::string& output) const {
+    ProgramReport report;
+    report.verb = verb;
+    report.program_version = job.version;
+    report.input_name = job.program;
+    report.output_name = output;
+    report.machine = &plan.machine();
+    report.model = job.model;
+    report.environment = job.environment;
+    report.setup = job.setup;
+    report.datum = job.datum;
+    report.reversal = job.reversal;
+    report.tolerance = job.tolerance;
+    report.max_correction = job.max_correction;
+    report.limit = job.limit;
+    return report;
+  }
+};
+
+std::string named(const std::string& path) { return path == "-" ? std::string("standard input") : path; }
+
+/// The program as a file with a path, and what it was before anything else was done.
+struct Input {
+  std::optional<SpooledInput> spooled;
+  std::string path, name;
+  FileIdentity identity;
+  std::uint64_t lines = 0;
+  std::string sha256;
+};
+
+std::optional<Input> open_input(Run& run, const Progress& progress) {
+  Input input;
+  input.path = run.job.program;
+  input.name = named(run.job.program);
+  if (input.path == "-") {
+    auto spooled = SpooledInput::from_standard_input();
+    if (const auto* error = std::get_if<FileError>(&spooled)) {
+      run.fail(input.name, *error);
+      return std::nullopt;
+    }
+    input.spooled.emplace(std::move(std::get<SpooledInput>(spooled)));
+    input.path = input.spooled->path();
+  }
+  auto opened = LineReader::open(input.path);
+  if (const auto* error = std::get_if<FileError>(&opened)) {
+    run.fail(input.name, *error);
+    return std::nullopt;
+  }
+  auto& reader = std::get<LineReader>(opened);
+  input.identity = reader.identity();
+  while (reader.next()) {
+    if (progress && reader.line_number() % 65536 == 0 && !progress(0, 0)) {
+      run.outcome.end = ProgramEnd::stopped;
+      return std::nullopt;
+    }
+  }
+  if (reader.error()) {
+    run.fail(input.name, *reader.error());
+    return std::nullopt;
+  }
+  input.lines = reader.line_number();
+  input.sha256 = reader.sha256();
+  return input;
+}
+
+/// Files that would be read and written at once, or written twice.
+bool paths_are_apart(Run& run, const Input& input) {
+  std::vector<std::pair<std::string, const char*>> outputs;
+  const ProgramJob& job = run.job;
+  if (!job.output.empty() && job.output != "-") outputs.emplace_back(job.output, "-o");
+  if (!job.report.empty() && job.report != "-") outputs.emplace_back(job.report, "--report");
+  if (!job.figure.empty() && job.figure != "-") outputs.emplace_back(job.figure, "--figure");
+  if (job.header == HeaderForm::sidecar && !job.output.empty()) {
+    if (job.output == "-") {
+      run.fail(ProgramEnd::invalid, about("--header", "E-USAGE", "a sidecar needs an output with a name", "", "name the output with -o"));
+      return false;
+    }
+    outputs.emplace_back(job.output + ".abbe.json", "--header sidecar");
+  }
+  std::vector<std::string> inputs = run.plan.machine().files;
+  inputs.push_back(input.path);
+  for (std::size_t i = 0; i < outputs.size(); ++i) {
+    for (const auto& read : inputs) {
+      if (!same_file(outputs[i].first, read)) continue;
+      run.fail(ProgramEnd::refused, about(outputs[i].first, "E-SAME", fmt::format("{} names an input ({})", outputs[i].second, read),
+                                          "an input is never overwritten", "name another file"));
+      return false;
+    }
+    for (std::size_t k = 0; k < i; ++k) {
+      if (outputs[i].first != outputs[k].first && !same_file(outputs[i].first, outputs[k].first)) continue;
+      run.fail(ProgramEnd::invalid, about(outputs[i].first, "E-SAME", fmt::format("{} and {} name the same file", outputs[k].second, outputs[i].second), "", "name different files"));
+      return false;
+    }
+  }
+  return true;
+}
+
+/// A program without our mark in it may still be one of ours: its sidecar says so.
+bool is_fresh(Run& run, const Input& input) {
+  if (input.spooled) return true;
+  const std::string path = input.path + ".abbe.json";
+  if (!identity_of(path)) return true;
+  const auto text = read_file(path, kSidecarLimit);
+  const auto* json = std::get_if<std::string>(&text);
+  if (!json) return true;
+  const std::size_t output = json->find("\"output\"");
+  if (output == std::string::npos || json->find(input.sha256, output) == std::string::npos) return true;
+  run.outcome.rewrite.compensated_input = true;
+  run.fail(ProgramEnd::refused, about(input.name, "E-COMPENSATED", "this program has been compensated already", "compensating twice doubles the correction", "use the original program"));
+  return false;
+}
+
+bool calibration_holds(Run& run) {
+  const auto& calibration = run.plan.machine().calibration;
+  if (run.job.today.empty() || calibration.valid_to.empty() || run.job.today <= calibration.valid_to) return true;
+  run.fail(ProgramEnd::refused, about(run.plan.machine().files.empty() ? "machine" : run.plan.machine().files.front(), "E-VALIDITY",
+                                      fmt::format("the calibration was valid to {}, today is {}", calibration.valid_to, run.job.today),
+                                      "the machine may have changed since it was measured", "measure it again, or extend valid_to in [calibration]"));
+  return false;
+}
+
+bool unchanged(Run& run, const Input& input, const std::string& rewritten_sha) {
+  const auto now = identity_of(input.path);
+  if (rewritten_sha == input.sha256 && run.outcome.verify.original.sha256 == input.sha256 && now && *now == input.identity) return true;
+  run.fail(ProgramEnd::refused, about(input.name, "E-CHANGED", "the program changed while it was read", "what was verified is not what stands there now", "run it again when nobody writes to it"));
+  return false;
+}
+
+struct Extra {
+  std::string path, text;
+};
+
+/// Side files first: if one cannot be written the program does not appear either.
+bool publish(Run& run, SpoolFile* program, const std::vector<Extra>& extras) {
+  std::vector<SpoolFile> ready;
+  for (const auto& extra : extras) {
+    auto created = SpoolFile::create(extra.path);
+    if (const auto* error = std::get_if<FileError>(&created)) return run.fail(extra.path, *error), false;
+    auto& file = std::get<SpoolFile>(created);
+    if (!file.write(extra.text) || !file.flush()) return run.fail(extra.path, *file.error()), false;
+    ready.push_back(std::move(file));
+  }
+  for (std::size_t i = 0; i < ready.size(); ++i) {
+    if (!ready[i].publish()) return run.fail(extras[i].path, *ready[i].error()), false;
+  }
+  if (program && !program->publish()) return run.fail(run.job.output, *program->error()), false;
+  return true;
+}
+
+ProgramEnd end_of_refusal(const RewriteReport& report) {
+  bool other = false;
+  for (const auto& d : report.diagnostics) {
+    if (d.severity != Severity::error) continue;
+    if (d.code == "E-FILE" || d.code == "E-WRITE") return ProgramEnd::io;
+    if (d.code == "E-MACHINE" || d.code == "E-EMPTY") return ProgramEnd::invalid;
+    other = other || (d.code != "E-VOL" && d.code != "E-TRAVEL");
+  }
+  return report.out_of_volume && !other ? ProgramEnd::outside : ProgramEnd::refused;
+}
+
+VerifyJob verify_job(const ProgramJob& job) {
+  VerifyJob verify;
+  verify.setup = job.setup;
+  verify.datum = job.datum;
+  verify.reversal = job.reversal;
+  verify.tolerance = job.tolerance;
+  verify.max_correction = job.max_correction;
+  verify.samples = job.figure.empty() ? 0 : kFigureSamples;
+  return verify;
+}
+
+void finish_reports(Run& run, ProgramReport report, std::vector<Extra>& extras) {
+  run.outcome.json = json_report(report);
+  run.outcome.text = human_report(report);
+  if (!run.job.report.empty()) extras.push_back({run.job.report, run.outcome.json});
+  if (!run.job.figure.empty()) extras.push_back({run.job.figure, figure_before_after(report)});
+}
+
+}  // namespace
+
+ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const Progress& progress) {
+  Run run{plan, job, {}};
+  ProgramOutcome& outcome = run.outcome;
+  const char* verb = job.output.empty() ? "check" : "compensate";
+  const auto input = open_input(run, progress);
+  if (!input || !paths_are_apart(run, *input) || !is_fresh(run, *input) || !calibration_holds(run)) return std::move(run.outcome);
+  auto created = SpoolFile::create(job.output.empty() ? "-" : job.output);
+  if (const auto* error = std::get_if<FileError>(&created)) {
+    run.fail(job.output, *error);
+    return std::move(run.outcome);
+  }
+  auto& spool = std::get<SpoolFile>(created);
+
+  RewriteJob rewrite;
+  rewrite.path = input->path;
+  rewrite.name = input->name;
+  rewrite.setup = job.setup;
+  rewrite.probed_datum = job.datum == DatumRule::probed;
+  rewrite.reversal = job.reversal;
+  rewrite.tolerance = job.tolerance;
+  rewrite.max_correction = job.max_correction;
+  rewrite.trace_line = job.trace_line;
+  ProgramReport report = run.report(verb, job.output);
+  if (job.header == HeaderForm::inline_comments) {
+    // what is known before the first line is rewritten: where the program comes from
+    RewriteReport source;
+    source.lines_in = input->lines;
+    source.sha256_in = input->sha256;
+    report.rewrite = &source;
+    rewrite.header = header_lines(report);
+  }
+  outcome.rewrite = rewrite_program(plan, rewrite, spool, progress);
+  run.add(outcome.rewrite.diagnostics);
+  report.rewrite = &outcome.rewrite;
+  if (outcome.rewrite.stopped) {
+    outcome.end = ProgramEnd::stopped;
+    return std::move(run.outcome);
+  }
+  if (!outcome.rewrite.complete) {
+    outcome.end = end_of_refusal(outcome.rewrite);
+    report.output_name.clear();
+    outcome.json = json_report(report);
+    outcome.text = human_report(report);
+    return std::move(run.outcome);
+  }
+
+  VerifyJob verify = verify_job(job);
+  verify.original_path = input->path;
+  verify.original_name = input->name;
+  verify.output_path = spool.temporary_path();
+  verify.output_name = job.output.empty() || job.output == "-" ? std::string("(compensated program)") : job.output;
+  outcome.verify = verify_program(plan, verify, progress);
+  run.add(outcome.verify.diagnostics);
+  report.verify = &outcome.verify;
+  if (outcome.verify.stopped) {
+    outcome.end = ProgramEnd::stopped;
+    return std::move(run.outcome);
+  }
+  if (!unchanged(run, *input, outcome.rewrite.sha256_in)) return std::move(run.outcome);
+  if (!outcome.verify.agrees) {
+    outcome.end = ProgramEnd::disagrees;
+    report.output_name.clear();
+    outcome.json = json_report(report);
+    outcome.text = human_report(report);
+    return std::move(run.outcome);
+  }
+  std::vector<Extra> extras;
+  finish_reports(run, report, extras);
+  if (job.header == HeaderForm::sidecar && !job.output.empty()) extras.push_back({job.output + ".abbe.json", outcome.json});
+  if (publish(run, job.output.empty() ? nullptr : &spool, extras)) outcome.end = ProgramEnd::done;
+  return std::move(run.outcome);
+}
+
+ProgramOutcome verify_programs(const Plan& plan, const ProgramJob& job, const std::string& output, const Progress& progress) {
+  Run run{plan, job, {}};
+  VerifyJob verify = verify_job(job);
+  verify.original_path = verify.original_name = job.program;
+  verify.output_path = verify.output_name = output;
+  for (const auto& path : {job.program, output}) {
+    auto opened = LineReader::open(path);
+    if (const auto* error = std::get_if<FileError>(&opened)) run.fail(path, *error);
+  }
+  if (!run.outcome.diagnostics.empty()) return std::move(run.outcome);
+  run.outcome.verify = verify_program(plan, verify, progress);
+  run.add(run.outcome.verify.diagnostics);
+  if (run.outcome.verify.stopped) {
+    run.outcome.end = ProgramEnd::stopped;
+    return std::move(run.outcome);
+  }
+  ProgramReport report = run.report("verify", output);
+  report.verify = &run.outcome.verify;
+  std::vector<Extra> extras;
+  finish_reports(run, report, extras);
+  if (!publish(run, nullptr, extras)) return std::move(run.outcome);
+  bool understood = true;
+  for (const auto& d : run.outcome.verify.diagnostics) understood = understood && (d.severity != Severity::error || d.code.rfind("E-", 0) != 0);
+  run.outcome.end = run.outcome.verify.agrees ? ProgramEnd::done : understood ? ProgramEnd::disagrees : ProgramEnd::refused;
+  return std::move(run.outcome);
+}
+
+}  // namespace abbe
