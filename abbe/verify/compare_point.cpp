@@ -1,0 +1,158 @@
+// Motions of which points count: rapids, moves in machine coordinates, moves home, canned cycles.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "abbe/verify/comparison.h"
+
+namespace abbe::verifying {
+namespace {
+
+constexpr double kSameWord = 1e-9;     // mm: words that are equal in the text
+constexpr double kSameCommand = 1e-7;  // mm: the same axis command, computed through two frames
+constexpr double kStrokeSpacing = 2;   // mm
+
+Axes bit(int axis) { return Axes{1} << axis; }
+
+bool same_words(const Motion& a, const Motion& b) {
+  return a.named == b.named && a.incremental == b.incremental && (a.words - b.words).cwiseAbs().maxCoeff() <= kSameWord;
+}
+
+}  // namespace
+
+/// A rapid whose end is known in all axes: the corrected axes must bring the tip where it belongs, the
+/// withheld ones must stay where they are.
+void Comparison::compare_rapid(const Motion& original, const Motion& output) {
+  withheld_ &= ~original.named;
+  if (original.start.known == kAllAxes) follow(original.end.at - original.start.at);
+  if (output.end.known != kAllAxes) return disagree("V-END", "an axis position is not known after this rapid");
+  const Vec3 target = model_.nominal(original.end.at) + datum_;
+  const Vec3 deviation = model_.actual(output.end.at, approach_, nullptr) - target;
+  ++report_.points;
+  if (!check_withheld(original, output)) return;
+  // Deviation in steps of the axes; what withheld axes leave is theirs.
+  Vec3 steps = model_.command_step(deviation);
+  for (int i = 0; i < 3; ++i)
+    if ((withheld_ & bit(i)) != 0) steps[i] = 0;
+  const double distance = model_.nominal_step(steps).norm();
+  const double allowed = allowed_for(quantum());
+  if (!(distance <= allowed))
+    disagree("V-END", fmt::format("the rapid ends {:.3f} um from its target, {:.3f} um are allowed", distance / um,
+                                  allowed / um));
+  check_reach(original.end.at, output.end.at);
+  if (!samples_.wants_next()) return samples_.skip();
+  keep_sample(target - datum_, model_.actual(original.end.at, approach_, nullptr) - target, deviation, true);
+}
+
+/// Rapids to places that are not known in all axes, and G28 G30: the words must be the same.
+void Comparison::compare_words(const Motion& original, const Motion& output) {
+  withheld_ &= ~original.named;
+  ++report_.points;
+  if (!same_words(original, output) || original.end.known != output.end.known)
+    disagree("V-END", original.kind == MotionKind::home
+                          ? "the words of a move home must stay as they are"
+                          : "the position is not known in all axes, so the words must stay as they are");
+}
+
+/// G53: words are axis commands and must stay; the axes named keep their uncorrected position afterwards.
+void Comparison::compare_machine_move(const Motion& original, const Motion& output) {
+  withheld_ |= original.named;
+  ++report_.points;
+  if (!same_words(original, output)) disagree("V-END", "a move in machine coordinates (G53) must stay as it is");
+}
+
+/// False if a withheld axis was moved (and that was reported).
+bool Comparison::check_withheld(const Motion& original, const Motion& output) {
+  for (int i = 0; i < 3; ++i) {
+    if ((withheld_ & bit(i)) == 0 || std::abs(output.end.at[i] - original.end.at[i]) <= kSameCommand) continue;
+    disagree("V-END", fmt::format("{} was left in machine coordinates (G53) and is moved by {:.3f} um although the "
+                                  "original does not command it",
+                                  static_cast<char>('X' + i), (output.end.at[i] - original.end.at[i]) / um));
+    return false;
+  }
+  return true;
+}
+
+void Comparison::check_reach(const Vec3& original, const Vec3& output) {
+  const double moved = (output - original).norm();
+  if (!(moved <= job_.max_correction + quantum()))
+    disagree("V-LIMIT", fmt::format("the commanded point is {:.1f} um from the original's, {:.1f} um are allowed",
+                                    moved / um, job_.max_correction / um));
+  if (const int axis = model_.beyond_travel(output); axis >= 0)
+    disagree("V-TRAVEL", fmt::format("{} leaves its travel: {:.4f} mm", static_cast<char>('X' + axis), output[axis]));
+}
+
+void Comparison::compare_cycle(const Motion& original, const Motion& output) {
+  const Cycle& a = original.cycle;
+  const Cycle& b = output.cycle;
+  const int axis = a.plane == 17 ? 2 : a.plane == 18 ? 1 : 0;
+  withheld_ &= ~(original.named | bit(axis));
+  if (a.plane != b.plane || a.holes != b.holes || a.retracts_to_r != b.retracts_to_r || a.dwell != b.dwell ||
+      std::abs(a.peck - b.peck) > kSameWord)
+    return disagree("V-CYCLE", "plane, number of holes, retract level, dwell or peck of the cycle differ");
+  if (!check_withheld(original, output)) return;
+  for (int k = 0; k < a.holes && !stop_; ++k) {
+    const Vec3 shift = a.step * k, output_shift = b.step * k;
+    compare_stroke(original, output, shift, output_shift);
+    check_reach(a.clear + shift, b.clear + output_shift);
+  }
+}
+
+/// One hole: from R to the bottom the tip must stay within tolerance, at both ends in all directions.
+void Comparison::compare_stroke(const Motion& original, const Motion& output, const Vec3& shift,
+                                const Vec3& output_shift) {
+  Motion stroke, cut;
+  stroke.kind = cut.kind = MotionKind::line;
+  stroke.start.at = original.cycle.retract + shift;
+  stroke.end.at = original.cycle.bottom + shift;
+  cut.start.at = output.cycle.retract + output_shift;
+  cut.end.at = output.cycle.bottom + output_shift;
+  ++report_.feed_motions;
+  check_reach(stroke.start.at, cut.start.at);
+  check_reach(stroke.end.at, cut.end.at);
+
+  follow(stroke.start.at - original.start.at);
+  const Vec3 down = stroke.end.at - stroke.start.at;
+  if (down.norm() > 0) follow(down);
+  NominalPath path(model_, stroke, datum_);
+  const double allowed = allowed_for(quantum());
+  const int intervals = 1 + static_cast<int>(std::min(10000.0, path.length() / kStrokeSpacing));
+  double worst = 0;
+  bool outside = false;
+  for (int i = 0; i <= intervals; ++i) {
+    const double t = static_cast<double>(i) / intervals;
+    const Vec3 tip = model_.actual(point_at(cut, t), approach_, &outside);
+    const bool at_end = i == 0 || i == intervals;
+    const Vec3 deviation = at_end ? Vec3(tip - path.point(t)) : path.foot(tip).across;
+    const Vec3 before = model_.actual(point_at(stroke, t), approach_, nullptr) - path.point(t);
+    worst = std::max(worst, deviation.norm());
+    const double weight = i == 0 ? 0 : path.length() / intervals;
+    travelled_ += weight;
+    before_.add(before, weight, original_.line());
+    after_.add(deviation, weight, original_.line());
+    ++report_.points;
+    if (samples_.wants_next())
+      keep_sample(path.point(t) - datum_, before, deviation, false);
+    else
+      samples_.skip();
+  }
+  measure_lost_motion(stroke.end.at);
+  if (outside) disagree("V-VOL", "the hole leaves the volume in which the errors are known");
+  if (!(worst <= allowed))
+    disagree("V-CYCLE", fmt::format("the hole is {:.3f} um off, {:.3f} um are allowed", worst / um, allowed / um));
+}
+
+/// Largest difference of the tip between coming from below and from above with one axis.
+void Comparison::measure_lost_motion(const Vec3& command) {
+  if (!model_.directional()) return;
+  for (std::size_t i = 0; i < 3; ++i) {
+    Approach forward{}, backward{};
+    forward[i] = 1;
+    backward[i] = -1;
+    const Vec3 lost = model_.actual(command, forward, nullptr) - model_.actual(command, backward, nullptr);
+    report_.lost_motion = std::max(report_.lost_motion, lost.norm());
+  }
+}
+
+}  // namespace abbe::verifying

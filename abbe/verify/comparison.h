@@ -1,0 +1,87 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+
+#include "abbe/verify/nominal_path.h"
+#include "abbe/verify/reader.h"
+#include "abbe/verify/tally.h"
+#include "abbe/verify/tip_model.h"
+#include "abbe/verify/verify.h"
+
+namespace abbe::verifying {
+
+/// Walks through original and output in lockstep and writes what differs into a report
+/// (docs/theory/verification.md). One comparison per pair of readers.
+class Comparison {
+ public:
+  Comparison(const VerifyJob& job, TipModel& model, ProgramReader& original, ProgramReader& output,
+             VerifyReport& report);
+
+  /// Called now and then; false stops the work.
+  using KeepGoing = std::function<bool()>;
+  void run(const KeepGoing& keep_going);
+
+  /// Puts sums and samples into the report.
+  void finish();
+
+ private:
+  using Item = ProgramReader::Item;
+
+  // comparison.cpp: items and events
+  void compare_event();
+  void compare_frames();
+  void compare_motion();
+  bool pull_motion();                ///< the output's next item must be a motion
+  void explain_disorder(Item found, const Event* expected);
+  void disagree(const char* code, std::string message);
+  void disagree_and_stop(const char* code, std::string message);
+  void refused(const ProgramReader& reader);
+  void update_context();
+
+  // compare_point.cpp: motions of which only points count
+  void compare_rapid(const Motion& original, const Motion& output);
+  void compare_words(const Motion& original, const Motion& output);
+  void compare_machine_move(const Motion& original, const Motion& output);
+  void compare_cycle(const Motion& original, const Motion& output);
+  void compare_stroke(const Motion& original, const Motion& output, const Vec3& shift, const Vec3& output_shift);
+  bool check_withheld(const Motion& original, const Motion& output);
+  void check_reach(const Vec3& original, const Vec3& output);
+  void measure_lost_motion(const Vec3& command);
+
+  // cover.cpp: feed motions
+  struct Cover;
+  void cover(const Motion& original);
+  bool cover_piece(Cover& cover, const Motion& piece);
+  void follow_along(const Cover& cover, const Motion& motion, double t);
+  bool take_up(Cover& cover, const Motion& piece);
+  void sample_interval(Cover& cover, const Motion& piece, double from, const Vec3& error_from, double to,
+                       const Vec3& error_to, const Vec3& tip_to, int depth);
+  void account(Cover& cover, const Motion& piece, double t, const Vec3& tip);
+  void check_piece_feed(Cover& cover, const Motion& piece);
+  void conclude(Cover& cover);
+
+  [[nodiscard]] double quantum() const;   ///< allowance for the digits of a point, mm
+  double allowed_for(double quantisation);
+  void follow(const Vec3& direction);     ///< approach after a motion in this direction
+  void keep_sample(const Vec3& position, const Vec3& before, const Vec3& after, bool rapid);
+
+  const VerifyJob& job_;
+  TipModel& model_;
+  ProgramReader& original_;
+  ProgramReader& output_;
+  VerifyReport& report_;
+
+  bool stop_ = false;
+  std::size_t disagreements_ = 0;
+  bool context_changed_ = true;
+  Vec3 datum_ = Vec3::Zero();
+  Axes withheld_ = 0;                     ///< left in machine coordinates by G53
+  Approach approach_{};
+  double travelled_ = 0;                  ///< feed path so far, mm
+  DeviationTally before_, after_;
+  SampleKeeper samples_;
+};
+
+}  // namespace abbe::verifying

@@ -1,0 +1,297 @@
+// One feed motion of the original and the output's motions that together cover it.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "abbe/verify/comparison.h"
+
+namespace abbe::verifying {
+namespace {
+
+/// Sampling. Lines up to kShort are looked at in their end only: the errors of a machine bend by far less
+/// than a micrometre over half a millimetre. Longer pieces are cut into intervals of kInterval; an inner
+/// point at kInner of each says whether the error bends there, and then the interval is halved on.
+constexpr double kShort = 0.5;               // mm
+constexpr double kInterval = 3.3;            // mm
+constexpr double kInner = 0.4;
+constexpr double kBend = 0.1;                // of the tolerance
+constexpr int kMaxDepth = 6;
+constexpr double kArcIntervalsPerTurn = 10;  // with the inner points: 20 samples per turn
+constexpr double kMaxIntervals = 1e5;
+
+/// Lengths below this are no motion: rounding of double arithmetic.
+constexpr double kNoMotion = 1e-6;    // mm
+constexpr double kSameCommand = 1e-7; // mm
+/// Arcs with a radius below this many allowances are followed by their parameter: an angle means nothing.
+constexpr double kSmallArc = 20;
+
+/// A step in the parameter to either side of a point, to see the direction there.
+constexpr double kSlightly = 1e-4;
+
+constexpr double kTimeTolerance = 1e-3;   // of the whole time in G93
+constexpr double kShareTolerance = 1e-2;  // of a piece's share of it
+
+}  // namespace
+
+struct Comparison::Cover {
+  Cover(const TipModel& model, const Motion& original, const Vec3& datum)
+      : motion(original), path(model, original, datum), length(path.length()) {}
+
+  const Motion& motion;
+  NominalPath path;
+  double length;               ///< of the original, mm
+  double allowed = 0;          ///< distance from the path
+  bool by_parameter = false;   ///< small arcs
+  int pieces = 0;
+  double last_s = 0;           ///< of the last sample
+  double furthest = 0;         ///< largest s so far
+  Vec3 tip = Vec3::Zero();     ///< of the last sample
+
+  // A start that was not corrected (G53, a changed frame or tool): its deviation may fade out linearly.
+  double excess = 0, excess_from = 0;
+
+  double worst = 0, worst_allowed = 0, worst_s = 0;  ///< distance from the path beyond what is allowed
+  double worst_back = 0;                             ///< mm
+  double shortfall = 0, last_shortfall = 0;          ///< of the last piece's end and the one before, mm
+  bool outside = false;
+  int beyond_travel = -1;
+  Vec3 beyond_at = Vec3::Zero();
+  double time = 0;                                   ///< G93: sum of the pieces' shares, 1 in the end
+  Axes moving = 0;                                   ///< axes that the original moves
+
+  [[nodiscard]] double allowed_at(double s) const {
+    if (excess <= 0) return allowed;
+    return allowed + excess * std::clamp((1 - s) / (1 - excess_from), 0.0, 1.0);
+  }
+  [[nodiscard]] bool violated() const { return worst > 0 || worst_back > 0; }
+};
+
+void Comparison::cover(const Motion& original) {
+  withheld_ &= ~original.named;
+  Cover cover(model_, original, datum_);
+  cover.allowed = allowed_for(original.kind == MotionKind::arc ? 2 * quantum() : quantum());
+  if (original.kind == MotionKind::arc)
+    cover.by_parameter =
+        std::min(original.arc.start_radius, original.arc.end_radius) < kSmallArc * cover.allowed;
+  for (int i = 0; i < 3; ++i) {
+    const Arc& arc = original.arc;
+    const bool moves = original.kind == MotionKind::arc
+                           ? std::abs(arc.first[i]) + std::abs(arc.second[i]) > kNoMotion ||
+                                 std::abs(arc.normal[i] * arc.rise) > kNoMotion
+                           : std::abs(original.end.at[i] - original.start.at[i]) > kNoMotion;
+    if (moves) cover.moving |= Axes{1} << i;
+  }
+  ++report_.feed_motions;
+  while (!stop_) {
+    const Item item = output_.next();
+    const bool goes_on = item == Item::motion && output_.motion().feeds() && !output_.motion().machine_words;
+    if (!goes_on) {
+      if (item == Item::refused) return refused(output_);
+      if (cover.pieces > 0 && item != Item::refused)
+        return disagree_and_stop("V-END", fmt::format("the output stops {:.3f} um before the end of this motion",
+                                                      cover.shortfall / um));
+      if (item == Item::motion) {
+        const bool hole = output_.motion().kind == MotionKind::cycle;
+        return disagree(hole ? "V-CYCLE" : "V-CLASS", "the original feeds here, the output does not");
+      }
+      return explain_disorder(item, nullptr);
+    }
+    if (cover_piece(cover, output_.motion())) break;
+  }
+  conclude(cover);
+}
+
+/// One motion of the output; true if the original is covered or no further piece makes sense.
+bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
+  const Motion& original = cover.motion;
+  if (original_.deletable() != output_.deletable())
+    disagree("V-EVENT", "one of the blocks can be deleted with '/', the other not");
+  const double piece_length = length_of(piece);
+  const bool first = cover.pieces++ == 0;
+  if (job_.reversal) follow_along(cover, original, std::clamp(cover.last_s, 0.0, 1.0) + kSlightly);
+  cover.tip = model_.actual(piece.start.at, approach_, nullptr);
+  if (first) {
+    const Vec3 deviation = cover.tip - cover.path.point(0);
+    cover.excess = std::max(0.0, deviation.norm() - cover.allowed);
+    if (!cover.by_parameter) cover.last_s = cover.path.foot(cover.tip).s;
+  }
+  if (piece_length < kNoMotion && cover.length >= kNoMotion) {
+    disagree("V-EXTRA", "a feed motion of no length that the original does not have");
+    return stop_;
+  }
+  if (job_.reversal) {
+    if (take_up(cover, piece)) return false;
+    follow_along(cover, piece, kSlightly);
+  }
+  if (cover.by_parameter && !first) {
+    disagree_and_stop("V-PATH", "an arc this small must stay one block");
+    return true;
+  }
+
+  const double before_piece = std::clamp(cover.last_s, 0.0, 1.0);
+  double intervals = 1;
+  if (piece_length > kShort || piece.kind == MotionKind::arc || original.kind == MotionKind::arc) {
+    intervals = std::ceil(piece_length / kInterval);
+    if (piece.kind == MotionKind::arc)
+      intervals = std::max(intervals, std::ceil(std::abs(piece.arc.sweep) * kArcIntervalsPerTurn / (2 * std::numbers::pi)));
+    else if (original.kind == MotionKind::arc)
+      intervals = std::max(intervals, 4.0);
+  }
+  const int n = static_cast<int>(std::clamp(intervals, 1.0, kMaxIntervals));
+  const bool looks_inside = piece_length > kShort || piece.kind == MotionKind::arc || original.kind == MotionKind::arc;
+  Vec3 error = cover.tip - model_.nominal(piece.start.at);
+  for (int k = 1; k <= n; ++k) {
+    const double from = static_cast<double>(k - 1) / n, to = static_cast<double>(k) / n;
+    const Vec3 command = k == n ? piece.end.at : point_at(piece, to);
+    if (job_.reversal) follow_along(cover, piece, to - kSlightly);
+    const Vec3 tip = model_.actual(command, approach_, &cover.outside);
+    const Vec3 error_to = tip - model_.nominal(command);
+    if (looks_inside) sample_interval(cover, piece, from, error, to, error_to, tip, 0);
+    account(cover, piece, to, tip);
+    error = error_to;
+  }
+  if (piece.kind == MotionKind::line && cover.beyond_travel < 0) {
+    cover.beyond_travel = model_.beyond_travel(piece.end.at);
+    cover.beyond_at = piece.end.at;
+  }
+
+  // How much of the original is left?
+  cover.last_shortfall = cover.shortfall;
+  cover.shortfall = (1 - cover.last_s) * cover.length;
+  const bool complete = cover.length < kNoMotion || cover.by_parameter || cover.shortfall <= cover.allowed;
+  if (original.feed_mode == 930) {
+    // time of the piece / time of the whole = (1 / F_k) / (1 / F)
+    const double path_share = std::clamp(cover.last_s, 0.0, 1.0) - before_piece;
+    const double time_share = original.feed / piece.feed;
+    cover.time += time_share;
+    if (!(complete && cover.pieces == 1) && !(std::abs(time_share - path_share) <= kShareTolerance))
+      disagree("V-FEED", fmt::format("F{:g} gives this piece {:.2f} % of the time for {:.2f} % of the path", piece.feed,
+                                     100 * time_share, 100 * path_share));
+  } else if (piece.feed != original.feed || piece.feed_mode != original.feed_mode) {
+    disagree("V-FEED", fmt::format("expected F{:g}, found F{:g}", original.feed, piece.feed));
+  }
+  if (!complete && !(cover.worst < job_.max_correction && cover.worst_back < job_.max_correction)) {
+    // This piece does not belong to the original: what comes after it cannot be matched either.
+    stop_ = true;
+    return true;
+  }
+  if (!complete) return false;
+
+  const Vec3 deviation = cover.tip - cover.path.point(1);
+  if (!(deviation.norm() <= cover.allowed) && !cover.violated())
+    disagree("V-END", fmt::format("this motion ends {:.3f} um from its target, {:.3f} um are allowed",
+                                  deviation.norm() / um, cover.allowed / um));
+  const double moved = (piece.end.at - original.end.at).norm();
+  if (!(moved <= job_.max_correction + quantum()))
+    disagree("V-LIMIT", fmt::format("the commanded point is {:.1f} um from the original's, {:.1f} um are allowed",
+                                    moved / um, job_.max_correction / um));
+  for (int i = 0; i < 3; ++i)
+    if ((withheld_ >> i & 1) != 0 && !(std::abs(piece.end.at[i] - original.end.at[i]) <= kSameCommand))
+      disagree("V-END", fmt::format("{} was left in machine coordinates (G53) and may not be moved here",
+                                    static_cast<char>('X' + i)));
+  return true;
+}
+
+/// Approach at t of a motion, for the axes that the original moves: an axis that only follows corrections by
+/// fractions of a micrometre does not take up its lost motion.
+void Comparison::follow_along(const Cover& cover, const Motion& motion, double t) {
+  Vec3 direction = derivative_at(motion, t);
+  for (int i = 0; i < 3; ++i)
+    if ((cover.moving >> i & 1) == 0) direction[i] = 0;
+  follow(direction);
+}
+
+/// A short motion at a reversal that only takes up the lost motion: the path does not advance, and with the
+/// new direction of approach the tip is where it belongs.
+bool Comparison::take_up(Cover& cover, const Motion& piece) {
+  if (cover.by_parameter || cover.length <= cover.allowed || length_of(piece) > job_.max_correction) return false;
+  const double s = std::clamp(cover.pieces == 1 ? 0.0 : cover.furthest, 0.0, 1.0);
+  const Vec3 tip = model_.actual(piece.end.at, approach_, &cover.outside);
+  const Vec3 deviation = tip - cover.path.point(s);
+  if (!(deviation.norm() <= cover.allowed)) return false;
+  if (!cover.by_parameter) cover.last_s = cover.path.foot(tip).s;
+  cover.furthest = std::max(cover.furthest, cover.last_s);
+  cover.tip = tip;
+  cover.excess = 0;
+  ++report_.points;
+  return true;
+}
+
+/// Samples the inside of an interval, in the order of cutting; more densely where the error bends.
+void Comparison::sample_interval(Cover& cover, const Motion& piece, double from, const Vec3& error_from, double to,
+                                 const Vec3& error_to, const Vec3& tip_to, int depth) {
+  const double middle = from + kInner * (to - from);
+  const Vec3 command = point_at(piece, middle);
+  if (job_.reversal) follow_along(cover, piece, middle - kSlightly);
+  const Vec3 tip = model_.actual(command, approach_, &cover.outside);
+  const Vec3 error = tip - model_.nominal(command);
+  // How far the error is from the straight line between the ends of the interval.
+  const Vec3 bend = error - ((1 - kInner) * error_from + kInner * error_to);
+  const bool bends = bend.norm() > kBend * job_.tolerance && depth < kMaxDepth;
+  if (bends) sample_interval(cover, piece, from, error_from, middle, error, tip, depth + 1);
+  account(cover, piece, middle, tip);
+  if (bends) sample_interval(cover, piece, middle, error, to, error_to, tip_to, depth + 1);
+}
+
+/// One sample of the output at t of its piece: where on the original it is, and how far off.
+void Comparison::account(Cover& cover, const Motion& piece, double t, const Vec3& tip) {
+  const NominalPath::Foot foot = cover.by_parameter ? cover.path.foot_at(tip, t) : cover.path.foot(tip);
+  const double s = cover.length < kNoMotion ? 1 : foot.s;
+  const double inside = std::clamp(s, 0.0, 1.0);
+  const double allowed = cover.allowed_at(inside);
+  ++report_.points;
+
+  const double distance = foot.across.norm();
+  if (distance > allowed && distance > cover.worst) {
+    cover.worst = distance;
+    cover.worst_allowed = allowed;
+    cover.worst_s = inside;
+  }
+  const double back = std::max(cover.furthest - s, s - 1) * cover.length;
+  if (back > allowed) cover.worst_back = std::max(cover.worst_back, back);
+  if (piece.kind == MotionKind::arc && cover.beyond_travel < 0) {
+    const Vec3 command = point_at(piece, t);
+    cover.beyond_travel = model_.beyond_travel(command);
+    cover.beyond_at = command;
+  }
+
+  const double weight = std::max(0.0, inside - std::clamp(cover.last_s, 0.0, 1.0)) * cover.length;
+  cover.last_s = s;
+  cover.furthest = std::max(cover.furthest, s);
+  cover.tip = tip;
+  const Vec3 original = point_at(cover.motion, inside);
+  const Vec3 target = cover.path.point(inside);
+  const Vec3 before = model_.actual(original, approach_, nullptr) - target;
+  travelled_ += weight;
+  before_.add(before, weight, original_.line());
+  after_.add(foot.across, weight, original_.line());
+  if (samples_.wants_next())
+    keep_sample(target - datum_, before, foot.across, false);
+  else
+    samples_.skip();
+}
+
+void Comparison::conclude(Cover& cover) {
+  if (cover.motion.feed_mode == 930 && disagreements_ == 0 && !(std::abs(cover.time - 1) <= kTimeTolerance))
+    disagree("V-FEED", fmt::format("the F words give {:.3f} % of the time of the original", 100 * cover.time));
+  const bool lost = stop_ && cover.pieces > 1 && cover.last_shortfall < job_.max_correction;
+  if (lost)
+    disagree("V-END", fmt::format("the output ends {:.3f} um before the end of this motion and goes elsewhere",
+                                  cover.last_shortfall / um));
+  else if (cover.worst > 0)
+    disagree("V-PATH", fmt::format("the path is {:.3f} um off at {:.1f} % of the motion, {:.3f} um are allowed",
+                                   cover.worst / um, 100 * cover.worst_s, cover.worst_allowed / um));
+  else if (cover.worst_back > 0)
+    disagree(cover.furthest > 1 ? "V-END" : "V-PATH",
+             fmt::format("the output goes {:.3f} um {} on this motion", cover.worst_back / um,
+                         cover.furthest > 1 ? "beyond its end" : "backwards"));
+  if (cover.outside) disagree("V-VOL", "this motion leaves the volume in which the errors are known");
+  if (cover.beyond_travel >= 0)
+    disagree("V-TRAVEL", fmt::format("{} leaves its travel: {:.4f} mm", static_cast<char>('X' + cover.beyond_travel),
+                                     cover.beyond_at[cover.beyond_travel]));
+  measure_lost_motion(cover.motion.end.at);
+}
+
+}  // namespace abbe::verifying

@@ -1,0 +1,38 @@
+#include "abbe/verify/tally.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace abbe::verifying {
+
+void DeviationTally::add(const Vec3& deviation, double weight, std::uint64_t line) {
+  const double square = deviation.squaredNorm();
+  squares_ += weight * square;
+  weights_ += weight;
+  if (square > worst_.max * worst_.max) {
+    worst_.max = std::sqrt(square);
+    worst_.max_line = line;
+  }
+  for (std::size_t i = 0; i < 3; ++i)
+    worst_.max_component[i] = std::max(worst_.max_component[i], std::abs(deviation[static_cast<Eigen::Index>(i)]));
+}
+
+DeviationSummary DeviationTally::summary() const {
+  DeviationSummary result = worst_;
+  result.rms = weights_ > 0 ? std::sqrt(squares_ / weights_) : 0;
+  return result;
+}
+
+void SampleKeeper::add(const PathSample& sample) {
+  ++seen_;
+  if (kept_.size() == limit_ && limit_ > 1) {
+    std::size_t n = 0;
+    for (std::size_t i = 0; i < kept_.size(); i += 2) kept_[n++] = kept_[i];
+    kept_.resize(n);
+    stride_ *= 2;
+    if ((seen_ - 1) % stride_ != 0) return;
+  }
+  if (kept_.size() < limit_) kept_.push_back(sample);
+}
+
+}  // namespace abbe::verifying

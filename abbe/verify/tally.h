@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "abbe/verify/verify.h"
+
+namespace abbe::verifying {
+
+/// Largest and root-mean-square deviation, each sample weighted with the path length before it.
+class DeviationTally {
+ public:
+  void add(const Vec3& deviation, double weight, std::uint64_t line);
+  [[nodiscard]] DeviationSummary summary() const;
+
+ private:
+  DeviationSummary worst_;
+  double squares_ = 0, weights_ = 0;
+};
+
+/// At most `limit` samples, evenly spread over however many come: every n-th is kept, and when there is
+/// no more room every second one goes and n doubles.
+class SampleKeeper {
+ public:
+  explicit SampleKeeper(std::size_t limit) : limit_(limit) {}
+  [[nodiscard]] bool wants_next() const { return limit_ > 0 && seen_ % stride_ == 0; }
+  void skip() { ++seen_; }
+  void add(const PathSample& sample);
+  [[nodiscard]] std::vector<PathSample> take() { return std::move(kept_); }
+
+ private:
+  std::size_t limit_;
+  std::uint64_t seen_ = 0, stride_ = 1;
+  std::vector<PathSample> kept_;
+};
+
+}  // namespace abbe::verifying

@@ -1,0 +1,87 @@
+#include "abbe/verify/tip_model.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace abbe::verifying {
+namespace {
+
+constexpr double kProbe = 1024;          // mm: a power of two, so that the division below is exact
+constexpr double kIndependent = 1e-3;    // least determinant of the axis directions
+constexpr double kTravelSlack = 1e-6;    // mm
+
+Diagnostic axis_fault(char letter, const char* what) {
+  return {Severity::error, "E-AXIS", {}, fmt::format("axis {} {}", letter, what),
+          "programs move X, Y and Z, and each must move the tool in its own direction",
+          "set `address` of the axes in the machine file"};
+}
+
+}  // namespace
+
+std::variant<TipModel, Diagnostic> TipModel::make(const Plan& plan, const ControlSetup& setup) {
+  TipModel model(plan, setup);
+  const Machine& machine = plan.machine();
+  for (std::size_t k = 0; k < 3; ++k) {
+    const char letter = static_cast<char>('X' + k);
+    int found = -1;
+    for (int i = 0; i < machine.axis_count() && found < 0; ++i) {
+      const Body& body = machine.axis(i);
+      const std::string& address = body.address.empty() ? body.name : body.address;
+      if (address.size() == 1 && address[0] == letter) found = i;
+    }
+    if (found < 0) return axis_fault(letter, "is not part of this machine");
+    if (machine.axis(found).type != AxisType::linear) return axis_fault(letter, "is not a linear axis");
+    model.axes_[k] = static_cast<std::size_t>(found);
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    model.travel_[k] = machine.axis(found).range.value_or(std::array<double, 2>{-infinity, infinity});
+  }
+  model.directional_ = std::any_of(machine.errors.begin(), machine.errors.end(),
+                                   [](const ErrorTerm& term) { return term.function.is_directional(); });
+  if (auto fault = model.use_tool(setup.loaded_tool)) return std::move(*fault);
+  if (!(std::abs(model.matrix_.determinant()) > kIndependent))
+    return axis_fault('Z', "does not move the tool independently of X and Y");
+  return model;
+}
+
+std::optional<Diagnostic> TipModel::use_tool(std::optional<int> tool) {
+  const GaugeLength gauge = gauge_length(setup_, plan_.machine(), tool);
+  if (gauge.touch_off && plan_.machine().has_angular_errors())
+    return Diagnostic{Severity::error, "E-TOOL", {},
+                      fmt::format("the length of tool {} in the tool table is negative", tool.value_or(-1)),
+                      "angular errors act with the tool's length, and a negative offset is a touch-off value",
+                      fmt::format("give its gauge length: --gauge T{}=..", tool.value_or(-1))};
+  query_.tool = tool_of(plan_.machine(), gauge.length);
+  query_.approach.fill(0);
+  query_.q.fill(0);
+  offset_ = nominal_tip(plan_, query_);
+  for (std::size_t k = 0; k < 3; ++k) {
+    query_.q[axes_[k]] = kProbe;
+    matrix_.col(static_cast<Eigen::Index>(k)) = (nominal_tip(plan_, query_) - offset_) / kProbe;
+    query_.q[axes_[k]] = 0;
+  }
+  inverse_ = matrix_.inverse();
+  if (!inverse_.allFinite()) inverse_.setZero();  // refused by make()
+  return std::nullopt;
+}
+
+Vec3 TipModel::actual(const Vec3& m, const Approach& approach, bool* outside) const {
+  for (std::size_t k = 0; k < 3; ++k) {
+    query_.q[axes_[k]] = m[static_cast<Eigen::Index>(k)];
+    query_.approach[axes_[k]] = approach[k];
+  }
+  return actual_tip(plan_, query_, outside);
+}
+
+int TipModel::beyond_travel(const Vec3& m) const {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double at = m[static_cast<Eigen::Index>(k)];
+    if (at < travel_[k][0] - kTravelSlack || at > travel_[k][1] + kTravelSlack) return static_cast<int>(k);
+  }
+  return -1;
+}
+
+}  // namespace abbe::verifying
