@@ -18,5 +18,10 @@ struct Verb {
 [[nodiscard]] Verb correct_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb inverse_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb signcheck_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb compensate_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb check_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb verify_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb diff_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb explain_verb(CLI::App& program, Session& session);
 
 }  // namespace abbe::app

@@ -1,0 +1,181 @@
+#include "program_options.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <string_view>
+#include <utility>
+
+#include "abbe/core/number.h"
+#include "abbe/core/units.h"
+
+namespace abbe::app {
+namespace {
+
+int axis_letter(std::string_view name) { return name.size() == 1 && name[0] >= 'X' && name[0] <= 'Z' ? name[0] - 'X' : -1; }
+
+/// "X1,Y2.5,Z-3" as letters and values; R too where asked.
+struct Lettered {
+  std::array<std::optional<double>, 3> axes;
+  std::optional<double> rotation;
+};
+std::optional<Lettered> read_lettered(std::string_view option, std::string_view text, bool rotation, Diagnostics& findings) {
+  Lettered values;
+  bool good = true;
+  for (const std::string& piece : split_list(text)) {
+    const std::string letter = piece.substr(0, 1);
+    std::string number = piece.substr(std::min<std::size_t>(1, piece.size()));
+    if (!number.empty() && number[0] == '=') number.erase(0, 1);
+    const int axis = axis_letter(letter);
+    const auto value = read_number(number);
+    if (!value || (axis < 0 && !(rotation && letter == "R"))) {
+      findings.push_back(option_error(option, fmt::format("'{}' is not a letter X Y Z{} and a number", piece, rotation ? " R" : ""),
+                                      rotation ? "write G54=X-120.5,Y40,Z-210" : "write X0,Y0,Z0"));
+      good = false;
+      continue;
+    }
+    if (axis >= 0) values.axes[static_cast<std::size_t>(axis)] = *value;
+    else values.rotation = *value;
+  }
+  return good ? std::optional(values) : std::nullopt;
+}
+
+/// --offset G54=X-120.5,Y40,Z-210: lengths in the machine file's unit, R in degrees.
+void read_offsets(const std::vector<std::string>& arguments, double unit, ControlSetup& setup, Diagnostics& findings) {
+  for (const std::string& argument : arguments) {
+    const std::size_t equals = argument.find('=');
+    const auto index = work_offset_index(std::string_view(argument).substr(0, equals));
+    if (equals == std::string::npos || !index) {
+      findings.push_back(option_error("--offset", fmt::format("'{}' does not begin with a work offset", argument), "write G54=X-120.5,Y40,Z-210 (G54 to G59.3)"));
+      continue;
+    }
+    const auto values = read_lettered("--offset", std::string_view(argument).substr(equals + 1), true, findings);
+    if (!values) continue;
+    WorkOffset offset;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!values->axes[k]) {
+        findings.push_back(option_error("--offset", fmt::format("'{}' does not give {}", argument, "XYZ"[k]), "give X, Y and Z: an offset that is guessed puts the correction in the wrong place"));
+        continue;
+      }
+      offset.origin[k] = *values->axes[k] * unit;
+    }
+    offset.rotation = values->rotation.value_or(0) * deg;
+    setup.work_offsets[static_cast<std::size_t>(*index)] = offset;
+  }
+}
+
+void read_gauges(const std::vector<std::string>& arguments, double unit, ControlSetup& setup, Diagnostics& findings) {
+  for (const Assignment& given : split_assignments("--gauge", arguments, findings)) {
+    const auto value = option_number("--gauge", given.name, given.text, findings);
+    const auto number = given.name.size() > 1 && (given.name[0] == 'T' || given.name[0] == 't') ? read_number(std::string_view(given.name).substr(1)) : std::nullopt;
+    if (!number || *number < 0 || *number != std::floor(*number)) {
+      findings.push_back(option_error("--gauge", fmt::format("'{}' is not a tool number", given.name), "write T3=112.4"));
+    } else if (value && !(*value > 0)) {
+      findings.push_back(option_error("--gauge", fmt::format("the gauge length of {} is not positive", given.name), "it is the distance from the spindle nose to the tip"));
+    } else if (value) {
+      setup.gauges[static_cast<int>(*number)] = *value * unit;
+    }
+  }
+}
+
+template <class T>
+bool take(Parsed<T> parsed, T& value, Session& session) {
+  session.report(parsed.diagnostics);
+  if (!parsed.value) return false;
+  value = std::move(*parsed.value);
+  return true;
+}
+
+std::optional<std::string> text_of(const std::string& path, Session& session) {
+  auto text = read_file(path);
+  if (const auto* error = std::get_if<FileError>(&text)) {
+    session.report(*error, path);
+    return std::nullopt;
+  }
+  return std::get<std::string>(std::move(text));
+}
+
+/// The day, for valid_to: SOURCE_DATE_EPOCH if set, so that a run can be repeated.
+std::string today() {
+  std::time_t now = std::time(nullptr);
+  if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) {
+    if (const auto seconds = read_number(epoch); seconds && std::abs(*seconds) < 1e12) now = static_cast<std::time_t>(*seconds);
+  }
+  std::tm broken{};
+  if (!gmtime_r(&now, &broken)) return {};
+  return fmt::format("{:04}-{:02}-{:02}", broken.tm_year + 1900, broken.tm_mon + 1, broken.tm_mday);
+}
+
+}  // namespace
+
+void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) {
+  add_common_options(verb, a.common, session);
+  verb.add_option("--dialect", a.dialect, "control the program is for")->check(CLI::IsMember({"linuxcnc"}))->capture_default_str();
+  verb.add_option("--offset", a.offsets, "work offset in machine coordinates, e.g. G54=X-120.5,Y40,Z-210[,R10] (repeatable)");
+  verb.add_option("--var", a.parameters, "LinuxCNC parameter file: work offsets, in mm");
+  verb.add_option("--tools", a.tools, "LinuxCNC tool table, in mm (gauge= in a comment gives the gauge length)");
+  verb.add_option("--gauge", a.gauges, "gauge length of a tool, e.g. T3=112.4 (repeatable)");
+  verb.add_option("--tool", a.tool, "number of the tool in the spindle at the start");
+  verb.add_option("--start", a.start, "machine position before the program, e.g. X0,Y0,Z0")->delimiter(';');
+  verb.add_option("--block-delete", a.block_delete, "blocks with '/': on = skipped, off = executed")->check(CLI::IsMember({"on", "off"}));
+  verb.add_option("--datum", a.datum, "probed: the work offset was touched off on this machine; ideal: it is true")->check(CLI::IsMember({"probed", "ideal"}))->capture_default_str();
+  verb.add_option("--tolerance-um", a.tolerance_um, "what interpolation may leave")->check(CLI::Range(0.01, 1000.0))->capture_default_str();
+  verb.add_option("--max-correction-um", a.max_correction_um, "larger corrections are refused")->check(CLI::Range(1.0, 1e5))->capture_default_str();
+  verb.add_flag("--reversal", a.reversal, "correct lost motion where an axis turns round, instead of its mean");
+  verb.add_option("--report", a.report, "write the report as JSON");
+  verb.add_option("--figure", a.figure, "draw the deviation before and after (SVG)");
+}
+
+std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, Session& session) {
+  auto setting = load_setting(a.common, session);
+  if (!setting) return std::nullopt;
+  const double unit = setting->machine.units.length;
+  Diagnostics findings;
+  ControlSetup setup;
+  bool good = true;
+  if (!a.parameters.empty()) {
+    const auto text = text_of(a.parameters, session);
+    good = text && take(read_parameter_file(a.parameters, *text), setup, session) && good;
+  }
+  if (!a.tools.empty()) {
+    const auto text = text_of(a.tools, session);
+    good = text && take(read_tool_table(a.tools, *text), setup.tools, session) && good;
+  }
+  read_offsets(a.offsets, unit, setup, findings);
+  read_gauges(a.gauges, unit, setup, findings);
+  for (const std::string& start : a.start) {
+    if (const auto values = read_lettered("--start", start, false, findings)) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (values->axes[k]) setup.start[k] = *values->axes[k] * unit;
+      }
+    }
+  }
+  setup.loaded_tool = a.tool;
+  using BlockDelete = ControlSetup::BlockDelete;
+  if (!a.block_delete.empty()) setup.block_delete = a.block_delete == "on" ? BlockDelete::on : BlockDelete::off;
+  session.report(findings);
+  if (!findings.empty() || !good) return std::nullopt;
+  auto plan = plan_or_report(*setting, setting->environment, session);
+  if (!plan) return std::nullopt;
+
+  ProgramJob job;
+  job.model = setting->model;
+  job.environment = setting->environment;
+  job.setup = std::move(setup);
+  job.datum = a.datum == "probed" ? DatumRule::probed : DatumRule::ideal;
+  job.reversal = a.reversal;
+  job.tolerance = a.tolerance_um * um;
+  job.max_correction = a.max_correction_um * um;
+  job.limit = setting->limits.position;
+  job.header = a.header == "inline" ? HeaderForm::inline_comments : a.header == "sidecar" ? HeaderForm::sidecar : HeaderForm::none;
+  job.report = a.report;
+  job.figure = a.figure;
+  job.version = ABBE_VERSION;
+  job.today = today();
+  return ProgramSetting{std::move(*setting), std::move(*plan), std::move(job)};
+}
+
+}  // namespace abbe::app

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "abbe/pipeline/compensate_program.h"
+#include "common.h"
+#include "session.h"
+
+namespace abbe::app {
+
+/// Options of the verbs that read programs, as typed (docs/command-line.md).
+struct ProgramArguments {
+  CommonArguments common;
+  std::string dialect = "linuxcnc";
+  std::vector<std::string> offsets, gauges, start;
+  std::string tools, parameters, block_delete, datum = "probed", header = "inline";
+  std::optional<int> tool;
+  double tolerance_um = 1, max_correction_um = 500;
+  bool reversal = false;
+  std::string report, figure;
+};
+
+void add_program_options(CLI::App& verb, ProgramArguments& arguments, Session& session);
+
+/// A machine, its plan, and what the control knows; nullopt after reporting all mistakes.
+struct ProgramSetting {
+  Setting setting;
+  Plan plan;
+  ProgramJob job;  ///< without paths of program and output
+};
+[[nodiscard]] std::optional<ProgramSetting> load_program_setting(const ProgramArguments& arguments, Session& session);
+
+}  // namespace abbe::app
