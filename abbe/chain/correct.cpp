@@ -113,7 +113,7 @@ class Corrector {
     int worst = -1;
     double most = options_.max_rotary_correction;
     for (int i = 0; i < step_.rotary_count(); ++i) {
-      const int axis = step_.rotary()[static_cast<std::size_t>(i)];
+      const int axis = step_.rotary(i);
       const auto k = static_cast<std::size_t>(axis);
       const double by = std::abs(q_[k] + dq[k] - query_.q[k]);
       if (!(by <= most)) {

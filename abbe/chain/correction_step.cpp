@@ -15,6 +15,24 @@ constexpr double kJointLength = 300.0;  // mm: weighs direction against position
   return w > 0 && std::isfinite(w) ? w : 1.0;
 }
 
+/// W^-1 (J W^-1)^+ for a J whose columns belong to `axes`: minimises sum (w_i dq_i)^2.
+[[nodiscard]] SmallMatrix weighted_inverse(SmallMatrix j, const std::array<int, kMaxAxes>& axes,
+                                           const std::array<double, kMaxAxes>& weights, int& rank) {
+  const auto scale = [&](SmallMatrix& m) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
+      for (double& x : m.columns[i]) x /= weight_of(weights, axes[i]);
+    }
+  };
+  scale(j);
+  SmallMatrix inverse = pseudo_inverse(j, rank);
+  scale(inverse);
+  return inverse;
+}
+
+[[nodiscard]] double dot3(const SmallMatrix::Column& c, const Vec3& x) {
+  return c[0] * x.x() + c[1] * x.y() + c[2] * x.z();
+}
+
 }  // namespace
 
 void CorrectionStep::prepare(const Machine& machine, const CarriedColumns& columns, const Vec3& axis,
@@ -22,9 +40,8 @@ void CorrectionStep::prepare(const Machine& machine, const CarriedColumns& colum
   // Any two unit vectors across the axis: start from the coordinate farthest from it.
   Eigen::Index smallest = 0;
   axis.cwiseAbs().minCoeff(&smallest);
-  const Vec3 first = axis.cross(Vec3(Vec3::Unit(smallest))).normalized();
-  basis_.col(0) = first;
-  basis_.col(1) = axis.cross(first);
+  first_ = axis.cross(Vec3(Vec3::Unit(smallest))).normalized();
+  second_ = axis.cross(first_);
 
   linear_count_ = rotary_count_ = 0;
   const int count = std::min(machine.axis_count(), kMaxAxes);
@@ -50,36 +67,33 @@ void CorrectionStep::prepare(const Machine& machine, const CarriedColumns& colum
 }
 
 void CorrectionStep::prepare_rotary(const std::array<double, kMaxAxes>& weights) {
-  rotary_inverse_.setZero();
+  rotary_rows_ = {Vec2::Zero(), Vec2::Zero()};
   if (rotary_count_ == 0) return;
-  const Eigen::Vector2d c0 = direction_[static_cast<std::size_t>(rotary_[0])];
+  const Vec2 c0 = direction_[static_cast<std::size_t>(rotary_[0])];
   if (rotary_count_ == 1) {
     // Least squares: dq = -(c.r) / (c.c)
-    if (c0.squaredNorm() > kNoEffect * kNoEffect) rotary_inverse_.row(0) = c0.transpose() / c0.squaredNorm();
+    if (c0.squaredNorm() > kNoEffect * kNoEffect) rotary_rows_[0] = c0 / c0.squaredNorm();
     return;
   }
-  if (rotary_count_ > 2) {
-    Eigen::Matrix<double, 2, Eigen::Dynamic, 0, 2, kMaxAxes> c(2, rotary_count_);
-    for (int i = 0; i < rotary_count_; ++i) {
-      const int axis = rotary_[static_cast<std::size_t>(i)];
-      c.col(i) = direction_[static_cast<std::size_t>(axis)] / weight_of(weights, axis);
+  if (rotary_count_ == 2) {
+    const Vec2 c1 = direction_[static_cast<std::size_t>(rotary_[1])];
+    const double det = c0.x() * c1.y() - c0.y() * c1.x();
+    if (std::abs(det) <= kParallel) {
+      singular_axis_ = c0.squaredNorm() < c1.squaredNorm() ? rotary_[0] : rotary_[1];
+      return;
     }
-    Eigen::CompleteOrthogonalDecomposition<decltype(c)> decomposition;
-    decomposition.setThreshold(kDependent);
-    decomposition.compute(c);
-    rotary_pseudo_ = decomposition.pseudoInverse();
-    for (int i = 0; i < rotary_count_; ++i) {
-      rotary_pseudo_.row(i) /= weight_of(weights, rotary_[static_cast<std::size_t>(i)]);
-    }
+    rotary_rows_ = {Vec2(c1.y() / det, -c1.x() / det), Vec2(-c0.y() / det, c0.x() / det)};
     return;
   }
-  const Eigen::Vector2d c1 = direction_[static_cast<std::size_t>(rotary_[1])];
-  const double det = c0.x() * c1.y() - c0.y() * c1.x();
-  if (std::abs(det) <= kParallel) {
-    singular_axis_ = c0.squaredNorm() < c1.squaredNorm() ? rotary_[0] : rotary_[1];
-    return;
+  SmallMatrix j;
+  j.rows = 2;
+  j.count = rotary_count_;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(rotary_count_); ++i) {
+    const Vec2& c = direction_[static_cast<std::size_t>(rotary_[i])];
+    j.columns[i] = {c.x(), c.y()};
   }
-  rotary_inverse_ << c1.y() / det, -c1.x() / det, -c0.y() / det, c0.x() / det;
+  int rank = 0;
+  rotary_inverse_ = weighted_inverse(j, rotary_, weights, rank);
 }
 
 void CorrectionStep::prepare_linear(const std::array<double, kMaxAxes>& weights) {
@@ -87,62 +101,48 @@ void CorrectionStep::prepare_linear(const std::array<double, kMaxAxes>& weights)
   position_rank_ = 0;
   if (linear_count_ == 0) return;
   if (linear_count_ == 3) {
-    const Vec3 &a = position_[static_cast<std::size_t>(linear_[0])],
-               &b = position_[static_cast<std::size_t>(linear_[1])],
-               &c = position_[static_cast<std::size_t>(linear_[2])];
+    const Vec3& a = position_[static_cast<std::size_t>(linear_[0])];
+    const Vec3& b = position_[static_cast<std::size_t>(linear_[1])];
+    const Vec3& c = position_[static_cast<std::size_t>(linear_[2])];
     // Inverse by cross products: rows b x c, c x a, a x b over the volume.
     const Vec3 bc = b.cross(c);
     const double volume = a.dot(bc);
     if (std::abs(volume) > kDependent) {
-      linear_inverse_.row(0) = bc.transpose() / volume;
-      linear_inverse_.row(1) = c.cross(a).transpose() / volume;
-      linear_inverse_.row(2) = a.cross(b).transpose() / volume;
+      linear_rows_ = {bc / volume, c.cross(a) / volume, a.cross(b) / volume};
       square_ = true;
       position_rank_ = 3;
       return;
     }
   }
   // Fewer, dependent or redundant axes: least squares, and of the solutions the smallest weighted step.
-  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMaxAxes> a(3, linear_count_);
-  for (int i = 0; i < linear_count_; ++i) {
-    const int axis = linear_[static_cast<std::size_t>(i)];
-    a.col(i) = position_[static_cast<std::size_t>(axis)] / weight_of(weights, axis);
+  SmallMatrix j;
+  j.rows = 3;
+  j.count = linear_count_;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(linear_count_); ++i) {
+    const Vec3& a = position_[static_cast<std::size_t>(linear_[i])];
+    j.columns[i] = {a.x(), a.y(), a.z()};
   }
-  Eigen::CompleteOrthogonalDecomposition<decltype(a)> decomposition;
-  decomposition.setThreshold(kDependent);
-  decomposition.compute(a);
-  position_rank_ = static_cast<int>(decomposition.rank());
-  linear_pseudo_ = decomposition.pseudoInverse();
-  for (int i = 0; i < linear_count_; ++i) {
-    linear_pseudo_.row(i) /= weight_of(weights, linear_[static_cast<std::size_t>(i)]);
-  }
+  linear_inverse_ = weighted_inverse(j, linear_, weights, position_rank_);
 }
 
 /// All axes together: dq = W^-1 (J W^-1)^+ r, rows of J three positions and two directions.
 void CorrectionStep::prepare_joint(const std::array<double, kMaxAxes>& weights) {
-  const int count = linear_count_ + rotary_count_;
-  Eigen::Matrix<double, 5, Eigen::Dynamic, 0, 5, kMaxAxes> j(5, count);
-  for (int i = 0; i < count; ++i) {
+  SmallMatrix j;
+  j.rows = 5;
+  std::array<int, kMaxAxes> axes{};
+  for (int i = 0; i < linear_count_ + rotary_count_; ++i) {
     const bool is_linear = i < linear_count_;
     const int axis = is_linear ? linear_[static_cast<std::size_t>(i)]
                                : rotary_[static_cast<std::size_t>(i - linear_count_)];
-    j.col(i).head<3>() = position_[static_cast<std::size_t>(axis)];
-    j.col(i).tail<2>() = is_linear
-                             ? Eigen::Vector2d(Eigen::Vector2d::Zero())
-                             : Eigen::Vector2d(direction_[static_cast<std::size_t>(axis)] * kJointLength);
-    j.col(i) /= weight_of(weights, axis);
+    const Vec3& p = position_[static_cast<std::size_t>(axis)];
+    const Vec2 a = is_linear ? Vec2(0, 0) : Vec2(direction_[static_cast<std::size_t>(axis)] * kJointLength);
+    axes[static_cast<std::size_t>(i)] = axis;
+    j.columns[static_cast<std::size_t>(i)] = {p.x(), p.y(), p.z(), a.x(), a.y()};
   }
-  Eigen::CompleteOrthogonalDecomposition<decltype(j)> decomposition;
-  decomposition.setThreshold(kDependent);
-  decomposition.compute(j);
-  position_rank_ = std::min(3, static_cast<int>(decomposition.rank()));
-  joint_inverse_ = decomposition.pseudoInverse();
-  for (int i = 0; i < count; ++i) {
-    const int axis = i < linear_count_ ? linear_[static_cast<std::size_t>(i)]
-                                       : rotary_[static_cast<std::size_t>(i - linear_count_)];
-    joint_inverse_.row(i) /= weight_of(weights, axis);
-  }
-  joint_inverse_.rightCols<2>() *= kJointLength;
+  j.count = linear_count_ + rotary_count_;
+  int rank = 0;
+  joint_inverse_ = weighted_inverse(j, axes, weights, rank);
+  position_rank_ = std::min(3, rank);
 }
 
 std::array<double, kMaxAxes> CorrectionStep::solve(const Residual& r, Residual& left) const {
@@ -158,10 +158,10 @@ std::array<double, kMaxAxes> CorrectionStep::solve(const Residual& r, Residual& 
     left.direction += direction_[static_cast<std::size_t>(axis)] * by;
   };
   if (joint_) {
-    Eigen::Matrix<double, 5, 1> rows;
-    rows << r.position, r.direction;
-    for (int i = 0; i < linear_count_ + rotary_count_; ++i) {
-      const double by = -joint_inverse_.row(i).dot(rows);
+    const Vec2 direction = r.direction * kJointLength;
+    for (int i = 0; i < joint_inverse_.count; ++i) {
+      const SmallMatrix::Column& row = joint_inverse_.columns[static_cast<std::size_t>(i)];
+      const double by = -(dot3(row, r.position) + row[3] * direction.x() + row[4] * direction.y());
       if (i < linear_count_)
         move(linear_[static_cast<std::size_t>(i)], by);
       else
@@ -169,16 +169,16 @@ std::array<double, kMaxAxes> CorrectionStep::solve(const Residual& r, Residual& 
     }
     return dq;
   }
-  for (int i = 0; i < rotary_count_; ++i) {
-    const double by = rotary_count_ <= 2 ? -rotary_inverse_.row(i).dot(r.direction)
-                                         : -rotary_pseudo_.row(i).dot(r.direction);
-    turn(rotary_[static_cast<std::size_t>(i)], by);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(rotary_count_); ++i) {
+    const SmallMatrix::Column& row = rotary_inverse_.columns[i];
+    const double by = rotary_count_ <= 2 ? rotary_rows_[i].dot(r.direction)
+                                         : row[0] * r.direction.x() + row[1] * r.direction.y();
+    turn(rotary_[i], -by);
   }
   const Vec3 remaining = left.position;
-  for (int i = 0; i < linear_count_; ++i) {
-    const double by =
-        square_ ? -linear_inverse_.row(i).dot(remaining) : -linear_pseudo_.row(i).dot(remaining);
-    move(linear_[static_cast<std::size_t>(i)], by);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(linear_count_); ++i) {
+    move(linear_[i],
+         square_ ? -linear_rows_[i].dot(remaining) : -dot3(linear_inverse_.columns[i], remaining));
   }
   return dq;
 }

@@ -1,0 +1,48 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <new>
+
+#include "abbe/chain/correct.h"
+#include "abbe/chain/predict.h"
+#include "abbe/chain/random_machine.h"
+
+namespace {
+std::size_t allocations = 0;
+}  // namespace
+
+// Replaced for this test program; out of line, or the compiler pairs malloc with delete and complains.
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+
+namespace abbe {
+namespace {
+
+[[gnu::noinline]] std::size_t allocation_count() { return allocations; }
+
+TEST(Chain, NoAllocation) {
+  RandomMachine random(13);
+  for (int i = 0; i < 20; ++i) {
+    const Machine machine = random.make(i % 3 == 0 ? 4 : 3, random.below(4), 0.02, 1e-4);
+    const AxisSet all = (AxisSet{1} << machine.axis_count()) - 1;
+    for (const ErrorModel model : {ErrorModel::rigid, ErrorModel::linear, ErrorModel::first_order}) {
+      const Plan plan = std::get<Plan>(make_plan(machine, {{"T1", 23.5}}, model));
+      const Query query = random.query(machine);
+      const CorrectOptions options;
+      const std::size_t before = allocation_count();
+      const Vec3 a = nominal_tip(plan, query), b = actual_tip(plan, query);
+      const Pose c = actual_pose(plan, query);
+      const Jacobian j = jacobian(plan, query);
+      const Correction d = correct(plan, query, all, options);
+      EXPECT_EQ(allocation_count(), before) << a << b << c.p << j.position << d.iterations;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace abbe
