@@ -31,6 +31,8 @@ std::vector<Mistake> mistakes() {
       {"E-TOML", "format = 1\n[machine]\nname = @oops\n", ""},
       {"E-TOML", "format = 1\nformat = @1\n", ""},
       {"E-TOML", five("@[axis.X]\n"), ""},
+      {"E-TOML", "[@=]\n", ""},
+      {"E-TOML", "[[@[\n", ""},
       {"E-FORMAT", "@[machine]\nchain = \"w b t\"\n", "format = 1"},
       {"E-FORMAT", "format = @2\n[machine]\nchain = \"w b t\"\n", ""},
       {"E-FORMAT", "format = @1.0\n[machine]\nchain = \"w b t\"\n", ""},
