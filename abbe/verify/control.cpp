@@ -105,7 +105,7 @@ bool Control::execute(const Block& block, Fault& fault) {
     add(EventKind::comment, 0).text = block.comments[static_cast<std::size_t>(i)];
   if (!choose_motion()) return false;
   constexpr std::uint32_t motion_group = 1u << 1;
-  const bool plain = (block.g_groups & ~motion_group) == 0 && block.m_groups == 0 &&
+  const bool plain = (block.g_groups & ~motion_group) == 0 && block.m_groups == 0 && block.g_code(1) != kNoMotion &&
                      (block.words & letters('S', 'T')) == 0;
   if (plain) {
     if (!feed_words()) return false;
@@ -254,6 +254,7 @@ bool Control::modes() {
     if (code >= 0) add(EventKind::g_code, code);
     return code;
   };
+  if (b.g_code(1) == kNoMotion) add(EventKind::g_code, kNoMotion);
   if (const int code = change(2); code >= 0) plane_ = code;
   if (const int code = change(6); code >= 0) {
     unit_ = code == 200 ? abbe::inch : abbe::mm;

@@ -59,6 +59,7 @@ struct Comparison::Cover {
   int beyond_travel = -1;
   Vec3 beyond_at = Vec3::Zero();
   double time = 0;                                   ///< G93: sum of the pieces' shares, 1 in the end
+  double travelled_before = 0;                       ///< path before this motion, mm
   Axes moving = 0;                                   ///< axes that the original moves
 
   [[nodiscard]] double allowed_at(double s) const {
@@ -83,6 +84,7 @@ void Comparison::cover(const Motion& original) {
                            : std::abs(original.end.at[i] - original.start.at[i]) > kNoMotion;
     if (moves) cover.moving |= Axes{1} << i;
   }
+  cover.travelled_before = travelled_;
   ++report_.feed_motions;
   while (!stop_) {
     const Item item = output_.next();
@@ -179,8 +181,9 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   }
   if (!complete) return false;
 
+  if (cover.violated()) return true;  // said once, by conclude()
   const Vec3 deviation = cover.tip - cover.path.point(1);
-  if (!(deviation.norm() <= cover.allowed) && !cover.violated())
+  if (!(deviation.norm() <= cover.allowed))
     disagree("V-END", fmt::format("this motion ends {:.3f} um from its target, {:.3f} um are allowed",
                                   deviation.norm() / um, cover.allowed / um));
   const double moved = (piece.end.at - original.end.at).norm();
@@ -264,7 +267,7 @@ void Comparison::account(Cover& cover, const Motion& piece, double t, const Vec3
   const Vec3 original = point_at(cover.motion, inside);
   const Vec3 target = cover.path.point(inside);
   const Vec3 before = model_.actual(original, approach_, nullptr) - target;
-  travelled_ += weight;
+  travelled_ = cover.travelled_before + inside * cover.length;
   before_.add(before, weight, original_.line());
   after_.add(foot.across, weight, original_.line());
   if (samples_.wants_next())
@@ -274,6 +277,7 @@ void Comparison::account(Cover& cover, const Motion& piece, double t, const Vec3
 }
 
 void Comparison::conclude(Cover& cover) {
+  travelled_ = cover.travelled_before + cover.length;
   if (cover.motion.feed_mode == 930 && disagreements_ == 0 && !(std::abs(cover.time - 1) <= kTimeTolerance))
     disagree("V-FEED", fmt::format("the F words give {:.3f} % of the time of the original", 100 * cover.time));
   const bool lost = stop_ && cover.pieces > 1 && cover.last_shortfall < job_.max_correction;
