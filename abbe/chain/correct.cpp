@@ -100,7 +100,9 @@ class Corrector {
     return at;
   }
 
-  [[nodiscard]] Residual residual_of(const Actual& at) const { return {at.p - target_, step_.across(at.a)}; }
+  [[nodiscard]] Residual residual_of(const Actual& at) const {
+    return {at.p - target_, step_.across(at.a - target_axis_)};
+  }
 
   void measure(const Residual& r, double cosine, double allowance_mm) {
     result_.residual_position = r.position.norm() + allowance_mm;
@@ -203,7 +205,8 @@ class Corrector {
         measure(left, cosine, safe_rate * linear_mm);
         return true;
       }
-      if (before > 0 && rate > kSlow) renew_jacobian();
+      // A least-squares answer depends on the Jacobian it was found with: there it stays the command's.
+      if (before > 0 && rate > kSlow && step_.square()) renew_jacobian();
       before = size;
     }
     return false;

@@ -40,6 +40,10 @@ class CorrectionStep {
   /// Independent directions in which the linear axes can move the tip.
   [[nodiscard]] int position_rank() const { return position_rank_; }
   [[nodiscard]] bool redundant() const { return joint_ || linear_count_ > 3 || rotary_count_ > 2; }
+  /// As many axes as equations: the solution removes the residual whatever the Jacobian.
+  [[nodiscard]] bool square() const {
+    return square_ && !joint_ && (rotary_count_ == 0 || rotary_count_ == 2);
+  }
   [[nodiscard]] int rotary(int i) const { return rotary_[static_cast<std::size_t>(i)]; }
   [[nodiscard]] int rotary_count() const { return rotary_count_; }
 
