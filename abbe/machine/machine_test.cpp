@@ -41,6 +41,20 @@ TEST(Machine, LowerBodyArrayOfTheSevenAxisMachine) {
   EXPECT_THAT(rows[8], ElementsAre(0, 0, 0, 0, 0, 0, 0, 0, 0, 0));
 }
 
+TEST(Machine, NamedOrders) {
+  const auto forward = [](FactorKind kind) { return Factor{kind, false}; };
+  EXPECT_THAT(line_order(), ElementsAre(forward(FactorKind::along), forward(FactorKind::across),
+                                        forward(FactorKind::motion), Factor{FactorKind::across, true},
+                                        forward(FactorKind::thermal), forward(FactorKind::component),
+                                        forward(FactorKind::dynamic)));
+  EXPECT_THAT(frame_order(), ElementsAre(forward(FactorKind::location), forward(FactorKind::motion),
+                                         forward(FactorKind::thermal), forward(FactorKind::component),
+                                         forward(FactorKind::dynamic)));
+  EXPECT_THAT(after_order(), ElementsAre(forward(FactorKind::motion), forward(FactorKind::location),
+                                         forward(FactorKind::thermal), forward(FactorKind::component),
+                                         forward(FactorKind::dynamic)));
+}
+
 TEST(Machine, WorkpieceBranchIsNumberedFromTheBed) {
   const auto parsed =
       read("format = 1\n[machine]\nchain = \"w C X b Y t\"\n[axis.C]\ndirection = [0, 0, 1]\n");

@@ -32,6 +32,9 @@ std::vector<Mistake> mistakes() {
       {"E-TOML", "format = 1\nformat = @1\n", ""},
       {"E-TOML", five("@[axis.X]\n"), ""},
       {"E-TOML", "[@=]\n", ""},
+      {"E-TOML", "@\xc3\x9c = 1\n", "ASCII"},
+      {"E-TOML", "x = \"a\"@\xc2\xa0\n", "ASCII"},
+      {"E-TOML", "x = \"\"\"\n\\ @\xc3\x9c\"\"\"\n", "ASCII"},
       {"E-TOML", "[[@[\n", ""},
       {"E-FORMAT", "@[machine]\nchain = \"w b t\"\n", "format = 1"},
       {"E-FORMAT", "format = @2\n[machine]\nchain = \"w b t\"\n", ""},
@@ -289,6 +292,10 @@ TEST(Mistakes, DeepNestingIsRefused) {
   EXPECT_EQ(read("x = { " + key + " = 1 }\n").diagnostics.at(0).code, "E-TOML");
   EXPECT_EQ(read("x = \"\"\"\n\"\n\"\"\"\n" + key + " = 1\n").diagnostics.at(0).place.line, 4u);
   EXPECT_FALSE(read("x = " + std::string(100000, '[')).value);
+  EXPECT_TRUE(
+      read("\xef\xbb\xbf" + five_axis("[calibration]\ncontrol_compensation = \"\xc3\x9c\" # \xc3\x9c\n"))
+          .value);
+  EXPECT_TRUE(read(five_axis("[calibration]\ncontrol_compensation = '''\\\xc3\x9c'''\n")).value);
   std::string dots;
   for (int i = 0; i < 200; ++i) dots += " 0.5,";
   EXPECT_TRUE(

@@ -21,7 +21,7 @@
 namespace abbe {
 namespace {
 
-// The parser recurses once per part of a dotted key, without a limit of its own.
+// No key of ours has more than three.
 constexpr std::size_t kMostKeyParts = 32;
 
 Mark mark_of(const toml::source_region& source) {
@@ -32,33 +32,61 @@ Mark mark_of(const toml::source_region& source) {
   return mark;
 }
 
-/// Follows strings and comments just far enough to count the dots of keys.
-class KeyDepth {
+/// What the parser would not survive, found before it runs by following strings and comments: keys of
+/// very many parts (it recurses once per part), and characters that are not ASCII where it asks
+/// whether they are blank, which it answers for a few of them only. TOML allows them in texts and
+/// comments, so there is nothing lost.
+class Precheck {
  public:
-  explicit KeyDepth(std::string_view text) : text_(text) {}
+  struct Fault {
+    Mark mark;
+    std::string message;
+    std::string fix;
+  };
 
-  /// The place of the first key with too many parts.
-  std::optional<Mark> first_too_deep() {
+  explicit Precheck(std::string_view text) : text_(text) {
+    if (text_.starts_with("\xef\xbb\xbf")) at_ = line_start_ = 3;  // byte order mark
+  }
+
+  std::optional<Fault> first_fault() {
     std::size_t dots = 0;
-    while (at_ < text_.size()) {
+    while (at_ < text_.size() && !fault_) {
       const char c = text_[at_];
       if (c == '#') {
-        while (at_ < text_.size() && text_[at_] != '\n') ++at_;
+        at_ = std::min(text_.find('\n', at_), text_.size());
         continue;
       }
       if (c == '"' || c == '\'') {
         skip_string(c);
         continue;
       }
+      if (!is_ascii(c)) refuse_here("a character that is not ASCII outside of quotes");
+      if (c == '.' && ++dots > kMostKeyParts) {
+        fault_ = {here(), fmt::format("a key of more than {} parts", kMostKeyParts), "remove the dots"};
+      }
       if (c == '\n') new_line();
-      if (c == '.' && ++dots > kMostKeyParts) return Mark{line_, at_ - line_start_ + 1, 1};
       if (c == '\n' || c == '=' || c == ',' || c == '{' || c == '}' || c == '[' || c == ']') dots = 0;
       ++at_;
     }
-    return std::nullopt;
+    return fault_;
   }
 
  private:
+  static bool is_ascii(char c) { return static_cast<unsigned char>(c) < 0x80; }
+
+  [[nodiscard]] Mark here() const {
+    // Columns count characters: all bytes but those that continue one.
+    const std::string_view before = text_.substr(line_start_, at_ - line_start_);
+    const auto characters = std::count_if(before.begin(), before.end(), [](char c) {
+      return (static_cast<unsigned char>(c) & 0xc0U) != 0x80U;
+    });
+    return {line_, static_cast<std::size_t>(characters) + 1, 1};
+  }
+
+  void refuse_here(std::string_view message) {
+    fault_ = {here(), std::string(message), "use ASCII letters, or put the text in quotes"};
+  }
+
   void new_line() {
     ++line_;
     line_start_ = at_ + 1;
@@ -68,25 +96,35 @@ class KeyDepth {
     const std::string triple(3, quote);
     const bool multi_line = text_.substr(at_, 3) == triple;
     at_ += multi_line ? 3 : 1;
-    while (at_ < text_.size()) {
-      if (quote == '"' && text_[at_] == '\\' && at_ + 1 < text_.size()) {
-        if (text_[at_ + 1] == '\n') {
-          ++at_;
-          new_line();
-          ++at_;
-        } else {
-          at_ += 2;
-        }
-        continue;
-      }
-      if (multi_line ? text_.substr(at_, 3) == triple : text_[at_] == quote) {
+    while (at_ < text_.size() && !fault_) {
+      if (quote == '"' && text_[at_] == '\\') {
+        skip_escape(multi_line);
+      } else if (multi_line ? text_.substr(at_, 3) == triple : text_[at_] == quote) {
         at_ += multi_line ? 3 : 1;
         return;
+      } else {
+        if (text_[at_] == '\n') {
+          if (!multi_line) return;  // unterminated: the parser reports it
+          new_line();
+        }
+        ++at_;
       }
-      if (text_[at_] == '\n') {
-        if (!multi_line) return;  // unterminated: the parser reports it
-        new_line();
-      }
+    }
+  }
+
+  /// A backslash and what it escapes: one character, or in a multi-line string all blanks and line
+  /// ends up to the next character.
+  void skip_escape(bool multi_line) {
+    ++at_;
+    const std::size_t begin = at_;
+    while (multi_line && at_ < text_.size() && std::string_view(" \t\r\n").find(text_[at_]) < 4) {
+      if (text_[at_] == '\n') new_line();
+      ++at_;
+    }
+    if (at_ == text_.size()) return;
+    if (!is_ascii(text_[at_])) {
+      refuse_here("a character that is not ASCII after a backslash");
+    } else if (at_ == begin && text_[at_] != '\n') {
       ++at_;
     }
   }
@@ -95,6 +133,7 @@ class KeyDepth {
   std::size_t at_ = 0;
   std::size_t line_ = 1;
   std::size_t line_start_ = 0;
+  std::optional<Fault> fault_;
 };
 
 TomlNode convert(const toml::node& node) {
@@ -145,9 +184,8 @@ const TomlEntry* TomlNode::find(std::string_view key) const {
 }
 
 std::optional<TomlNode> read_toml(std::string_view text, Findings& findings) {
-  if (const auto too_deep = KeyDepth(text).first_too_deep()) {
-    findings.error("E-TOML", *too_deep, fmt::format("a key of more than {} parts", kMostKeyParts),
-                   "no key of this file has more than three", "remove the dots, or put the text in quotes");
+  if (const auto fault = Precheck(text).first_fault()) {
+    findings.error("E-TOML", fault->mark, fault->message, "the file is not valid TOML 1.0 here", fault->fix);
     return std::nullopt;
   }
   const toml::parse_result result = toml::parse(text);
