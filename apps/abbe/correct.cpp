@@ -296,7 +296,7 @@ Verb correct_verb(CLI::App& program, Session& session) {
   command->add_option("--lock", arguments->lock, "axes that stay at their command: Z1,B1")
       ->type_name("AXIS,..")
       ->allow_extra_args(false);
-  command->add_option("--weights", arguments.weights, "redundant axes: sum (weight dq)^2 is least, dq in mm and rad: X=1,U=3")
+  command->add_option("--weights", arguments->weights, "redundant axes: sum (weight dq)^2 is least, dq in mm and rad: X=1,U=3")
       ->type_name("AXIS=WEIGHT,..")
       ->allow_extra_args(false);
   command->add_option("--max-rotary-correction", arguments->max_rotary_correction_deg,

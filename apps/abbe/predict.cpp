@@ -1,5 +1,7 @@
 #include "abbe/chain/predict.h"
 
+#include <Eigen/Geometry>
+#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <algorithm>
