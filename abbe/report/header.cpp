@@ -78,7 +78,7 @@ std::vector<std::string> header_lines(const ProgramReport& report) {
                                    calibration.valid_to));
   }
   if (!calibration.control_compensation.empty()) {
-    add_comment(lines, fmt::format("CONTROL COMPENSATION {} = AS CALIBRATED", calibration.control_compensation));
+    add_comment(lines, fmt::format("CONTROL AS CALIBRATED: {}", calibration.control_compensation));
   }
   for (std::size_t i = 0; i < report.setup.work_offsets.size(); ++i) {
     if (!report.setup.work_offsets[i]) continue;
@@ -94,15 +94,18 @@ std::vector<std::string> header_lines(const ProgramReport& report) {
     add_comment(lines, fmt::format("T{} GAUGE {:.3f} MM", number, gauge_length(report.setup, machine, number).length));
   }
   for (const auto& [name, value] : report.environment) add_comment(lines, fmt::format("{} = {:.6g}", name, value));
-  std::string quality = fmt::format("DATUM {} TOLERANCE {:g} UM", report.datum == DatumRule::probed ? "PROBED" : "IDEAL",
+  std::string terms = fmt::format("DATUM {} TOLERANCE {:g} UM", report.datum == DatumRule::probed ? "PROBED" : "IDEAL",
                                     report.tolerance / um);
-  if (calibration.temperature) quality = fmt::format("TEMP {:.1f} C {}", *calibration.temperature, quality);
-  if (report.verify != nullptr) quality += fmt::format(" RESIDUAL {:.2f} UM", report.verify->after.max / um);
+  if (calibration.temperature) terms = fmt::format("TEMP {:.1f} C {}", *calibration.temperature, terms);
+  add_comment(lines, terms);
+  if (report.verify != nullptr) {
+    add_comment(lines, fmt::format("DEVIATION BEFORE {:.1f} UM AFTER {:.2f} UM", report.verify->before.max / um,
+                                   report.verify->after.max / um));
+  }
   if (rewritten && report.rewrite->complete) {
     const auto& most = report.rewrite->max_correction;
-    quality += fmt::format(" MAX CORR X {:.1f} Y {:.1f} Z {:.1f} UM", most[0] / um, most[1] / um, most[2] / um);
+    add_comment(lines, fmt::format("MAX CORRECTION X {:.1f} Y {:.1f} Z {:.1f} UM", most[0] / um, most[1] / um, most[2] / um));
   }
-  add_comment(lines, quality);
   return lines;
 }
 

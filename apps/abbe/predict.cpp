@@ -1,7 +1,6 @@
 #include "abbe/chain/predict.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 
 #include <algorithm>
