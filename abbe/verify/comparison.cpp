@@ -234,6 +234,7 @@ void Comparison::refused(const ProgramReader& reader) {
 /// Takes tool, frame and datum of the current block.
 void Comparison::update_context() {
   context_changed_ = false;
+  reached_.valid = false;
   const std::optional<int> tool = original_.tool();
   if (auto fault = model_.use_tool(tool)) {
     fault->place = {original_.name(), static_cast<std::size_t>(original_.line()), 1, 1, original_.source_line()};

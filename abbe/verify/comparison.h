@@ -62,6 +62,8 @@ class Comparison {
   void check_piece_feed(Cover& cover, const Motion& piece);
   void conclude(Cover& cover);
 
+  /// Tip at the start of a motion: mostly where the last one ended, and then already known.
+  [[nodiscard]] Vec3 start_tip(const Vec3& command);
   [[nodiscard]] double quantum() const;   ///< allowance for the digits of a point, mm
   double allowed_for(double quantisation);
   void follow(const Vec3& direction);     ///< approach after a motion in this direction
@@ -79,6 +81,11 @@ class Comparison {
   Vec3 datum_ = Vec3::Zero();
   Axes withheld_ = 0;                     ///< left in machine coordinates by G53
   Approach approach_{};
+  struct Reached {
+    bool valid = false;
+    Vec3 command = Vec3::Zero(), tip = Vec3::Zero();
+    Approach approach{};
+  } reached_;                             ///< end of the output's last motion
   double travelled_ = 0;                  ///< feed path so far, mm
   DeviationTally before_, after_;
   SampleKeeper samples_;

@@ -113,7 +113,7 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   const double piece_length = length_of(piece);
   const bool first = cover.pieces++ == 0;
   if (job_.reversal) follow_along(cover, original, std::clamp(cover.last_s, 0.0, 1.0) + kSlightly);
-  cover.tip = model_.actual(piece.start.at, approach_, nullptr);
+  cover.tip = start_tip(piece.start.at);
   if (first) {
     const Vec3 deviation = cover.tip - cover.path.point(0);
     cover.excess = std::max(0.0, deviation.norm() - cover.allowed);
@@ -154,6 +154,7 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
     account(cover, piece, to, tip);
     error = error_to;
   }
+  reached_ = {true, piece.end.at, cover.tip, approach_};
   if (piece.kind == MotionKind::line && cover.beyond_travel < 0) {
     cover.beyond_travel = model_.beyond_travel(piece.end.at);
     cover.beyond_at = piece.end.at;
@@ -195,6 +196,11 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
       disagree("V-END", fmt::format("{} was left in machine coordinates (G53) and may not be moved here",
                                     static_cast<char>('X' + i)));
   return true;
+}
+
+Vec3 Comparison::start_tip(const Vec3& command) {
+  if (reached_.valid && reached_.command == command && reached_.approach == approach_) return reached_.tip;
+  return model_.actual(command, approach_, nullptr);
 }
 
 /// Approach at t of a motion, for the axes that the original moves: an axis that only follows corrections by
