@@ -146,7 +146,7 @@ class ProgramWriter {
   void cycle() {
     mode(false);
     const double r = round(at_.z() - random_.between(0, 3));
-    text_ += fmt::format("G9{} G8{} X{:.3f} Y{:.3f} R{:.3f} Z{:.3f}{}\n", 8 + random_.below(2), random_.chance(0.5) ? 1 : 2, at_.x(), at_.y(), r, r - 4, " P0.1");
+    text_ += fmt::format("G9{} {} X{:.3f} Y{:.3f} R{:.3f} Z{:.3f}\n", 8 + random_.below(2), random_.chance(0.5) ? "G81" : "G82 P0.1", at_.x(), at_.y(), r, r - 4);
     at_.x() = round(at_.x() + 3);
     text_ += fmt::format("X{:.3f}\nG80\nG98\n", at_.x());
     // where a cycle leaves Z depends on G98 and G99: name it

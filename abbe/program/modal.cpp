@@ -141,7 +141,7 @@ bool note_m(const Block& block, const Word& word, std::uint64_t line, ProgramFin
 }
 
 /// The value letters that the codes of this block use.
-std::uint32_t used_letters(const Instruction& in, const ModalState& state, const Block& block) {
+std::uint32_t used_letters(const Instruction& in, const Block& block) {
   std::uint32_t used = bit('N') | bit('F') | bit('S') | bit('T');
   switch (in.zero) {
     case 40: used |= bit('P'); break;
@@ -153,7 +153,9 @@ std::uint32_t used_letters(const Instruction& in, const ModalState& state, const
   if (in.tool_length == 431) used |= kAxisBits;
   if (in.motion == 0 || in.motion == 10) used |= kAxisBits;
   if (is_arc(in.motion)) used |= kAxisBits | kCentreBits | bit('R') | bit('P');
-  if (is_cycle(in.motion)) used |= kAxisBits | bit('R') | bit('L') | bit('P') | bit('Q');
+  if (is_cycle(in.motion)) used |= kAxisBits | bit('R') | bit('L');
+  if (in.motion == 730 || in.motion == 830) used |= bit('Q');
+  if (in.motion == 740 || in.motion == 820 || in.motion == 840 || in.motion == 860 || in.motion == 890) used |= bit('P');
   for (int i = 0; i < block.count; ++i) {
     const Word& word = block.words[static_cast<std::size_t>(i)];
     if (word.letter == 'G' && word.value == 64) used |= bit('P') | bit('Q');
@@ -165,7 +167,6 @@ std::uint32_t used_letters(const Instruction& in, const ModalState& state, const
     if (word.letter == 'M' && (word.value == 19 || (word.value >= 50 && word.value <= 53))) used |= bit('R') | bit('P') | bit('Q');
     if (word.letter == 'M' && word.value >= 3 && word.value <= 5) used |= bit('D');
   }
-  static_cast<void>(state);
   return used;
 }
 
@@ -251,7 +252,7 @@ bool read_instruction(const Block& block, const ModalState& state, std::uint64_t
     if (!out.states_motion && (state.motion == 0 || state.motion == 10)) out.motion = state.motion;
     else return whole_block("E-G53", "G53 without G0 or G1", "only lines can be commanded in machine coordinates", "write G53 G0 or G53 G1");
   }
-  const std::uint32_t unused = present & ~used_letters(out, state, block);
+  const std::uint32_t unused = present & ~used_letters(out, block);
   if (unused != 0) {
     for (int i = 0; i < block.count; ++i) {
       const Word& word = block.words[static_cast<std::size_t>(i)];
