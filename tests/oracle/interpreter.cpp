@@ -36,6 +36,7 @@ std::vector<Motion> read_motions(const std::string& path) {
   std::ifstream file(path);
   Vec3 at = Vec3::Zero();
   double rotation = 0;  // of the work offset in force, about Z
+  int tool = -1;
   for (std::string text; std::getline(file, text);) {
     std::istringstream line(text);
     Motion motion;
@@ -46,6 +47,7 @@ std::vector<Motion> read_motions(const std::string& path) {
       rotation *= std::numbers::pi / 180;
       continue;
     }
+    if (kind == "TOOL") line >> tool;
     if (kind != "R" && kind != "F" && kind != "ARC") continue;
     motion.kind = kind == "R" ? Motion::Kind::rapid : kind == "F" ? Motion::Kind::feed : Motion::Kind::arc;
     if (kind == "ARC") {
@@ -57,6 +59,7 @@ std::vector<Motion> read_motions(const std::string& path) {
     line >> motion.end.x() >> motion.end.y() >> motion.end.z() >> rotary[0] >> rotary[1] >> rotary[2];
     if (kind == "ARC") line >> motion.centre.x() >> motion.centre.y() >> motion.centre.z();
     motion.start = at;
+    motion.tool = tool;
     at = motion.end;
     motions.push_back(motion);
   }

@@ -15,6 +15,7 @@ struct Motion {
   enum class Kind { rapid, feed, arc } kind = Kind::rapid;
   long line = 0;  ///< of the program, from 1
   Vec3 start = Vec3::Zero(), end = Vec3::Zero();
+  int tool = -1;  ///< in the spindle; -1: none was loaded by the program
 
   // Arcs only.
   Vec3 centre = Vec3::Zero();   ///< at the height of the end

@@ -16,7 +16,7 @@ constexpr const char* kCentreLetters = "IJK";
 
 class Generator {
  public:
-  Generator(std::uint64_t seed, bool with_cycles) : random_(seed), with_cycles_(with_cycles) {}
+  Generator(std::uint64_t seed, const Ingredients& ingredients) : random_(seed), with_(ingredients) {}
 
   std::string program() {
     line("G21 G90 G54 G17 G94 G64 M3 S1000 F500");
@@ -39,7 +39,7 @@ class Generator {
           tool();
           break;
         case 5:
-          machine_move();
+          with_.machine_moves ? machine_move() : absolute_move();
           break;
         case 6:
           absolute_move();
@@ -52,7 +52,7 @@ class Generator {
           arcs();
           break;
         case 10:
-          with_cycles_ ? cycles() : arcs();
+          with_.cycles ? cycles() : arcs();
           break;
         default:
           other();
@@ -140,7 +140,7 @@ class Generator {
         break;
       case 2: {
         std::string text = "G10 L2 P" + std::to_string(draw(10)) + words(point(), some_axes());
-        if (chance(30)) text += word('R', chance(30) ? 0 : std::round(between(-180, 180)));
+        if (with_.rotations && chance(30)) text += word('R', chance(30) ? 0 : std::round(between(-180, 180)));
         line(text);
         break;
       }
@@ -188,7 +188,7 @@ class Generator {
         absolute_move();
         break;
       case 2:
-        line("M61 Q" + number);
+        line((with_.tool_numbers ? "M61 Q" : "M6 T") + number);
         absolute_move();
         break;
       case 3:
@@ -222,7 +222,7 @@ class Generator {
   // One arc from at_; the mode words stand in the block itself.
   void arc() {
     static constexpr std::array<std::array<int, 3>, 3> kPlanes = {{{0, 1, 2}, {2, 0, 1}, {1, 2, 0}}};
-    const int plane = draw(3);
+    const int plane = with_.all_planes ? draw(3) : 0;
     const auto [a, b, c] = kPlanes[static_cast<std::size_t>(plane)];
     const auto ia = static_cast<std::size_t>(a), ib = static_cast<std::size_t>(b),
                ic = static_cast<std::size_t>(c);
@@ -348,14 +348,15 @@ class Generator {
   std::mt19937_64 random_;
   std::string text_;
   long number_ = 0;
-  bool with_cycles_, inch_ = false, g92_given_ = false;
+  Ingredients with_;
+  bool inch_ = false, g92_given_ = false;
   Point at_{};  ///< in the frame in force, as written; valid after absolute_move
 };
 
 }  // namespace
 
-std::string random_program(std::uint64_t seed, bool with_cycles) {
-  return Generator(seed, with_cycles).program();
+std::string random_program(std::uint64_t seed, const Ingredients& ingredients) {
+  return Generator(seed, ingredients).program();
 }
 
 }  // namespace abbe::oracle

@@ -1,6 +1,8 @@
 // Our reader against LinuxCNC's own interpreter, motion by motion: kind, line, end point, and for arcs
 // centre, turns and the points in between.
 
+#include "abbe/verify/reader.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -15,42 +17,14 @@
 #include <vector>
 
 #include "abbe/machine/control_setup.h"
-#include "abbe/verify/reader.h"
 #include "tests/oracle/interpreter.h"
+#include "tests/oracle/oracle_fixture.h"
 #include "tests/oracle/random_program.h"
 
 namespace abbe::oracle {
 namespace {
 
 constexpr double kSameDouble = 1e-9;  // mm: rounding of a few additions of coordinates up to 1 m
-
-const std::string kHere = std::string(ABBE_SOURCE_DIR) + "/tests/oracle";
-const std::string kToolTable = kHere + "/tool.tbl";
-
-bool have_oracle() { return !std::string(ABBE_ORACLE).empty() && std::filesystem::exists(ABBE_ORACLE); }
-
-constexpr const char* kNoOracle = "linuxcnc-uspace-dev or the oracle's source is absent";
-
-std::string scratch() {
-  const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-  std::string name = std::string(test->test_suite_name()) + "." + test->name();
-  std::replace(name.begin(), name.end(), '/', '_');
-  return std::string(ABBE_SCRATCH_DIR) + "/" + name;
-}
-
-// What the oracle assumes: at machine position 0, all work offsets 0, '/' lines run.
-ControlSetup setup_of_oracle() {
-  ControlSetup setup;
-  setup.work_offsets.fill(WorkOffset{});
-  setup.start = {0.0, 0.0, 0.0};
-  setup.block_delete = ControlSetup::BlockDelete::off;
-  std::ifstream file(kToolTable);
-  std::ostringstream text;
-  text << file.rdbuf();
-  auto tools = read_tool_table(kToolTable, text.str());
-  if (tools.value) setup.tools = *tools.value;
-  return setup;
-}
 
 // The centre of an R arc is sqrt(r^2 - chord^2 / 4) away from the chord: near 180 degrees its last
 // digits are lost, by eps r^2 / distance, at most sqrt(eps) r.
@@ -154,57 +128,15 @@ std::string compare_points(const std::string& program, const Run& expected, cons
   return next == arcs.size() ? "" : "an arc is missing";
 }
 
-struct Listed {
-  std::string root, path;
-  long motions = 0;
-  std::string needs;
-  [[nodiscard]] std::string file() const {
-    if (root == "data") return std::string(ABBE_SOURCE_DIR) + "/../shared/data/gcode/" + path;
-    if (root == "ncfiles") return "/usr/share/linuxcnc/ncfiles/" + path;
-    return "/usr/share/doc/linuxcnc/examples/sample-configs/" + path;
-  }
-};
-
-std::ostream& operator<<(std::ostream& out, const Listed& listed) {
-  return out << listed.root << "/" << listed.path;
-}
-
-std::vector<Listed> must_accept() {
-  std::vector<Listed> list;
-  std::ifstream file(kHere + "/must_accept.txt");
-  for (std::string text; std::getline(file, text);) {
-    if (text.empty() || text[0] == '#') continue;
-    std::istringstream line(text);
-    std::string name;
-    Listed listed;
-    line >> name >> listed.motions;
-    std::getline(line, listed.needs);
-    const auto slash = name.find('/');
-    listed.root = name.substr(0, slash);
-    listed.path = name.substr(slash + 1);
-    list.push_back(listed);
-  }
-  return list;
-}
-
-std::string test_name(const testing::TestParamInfo<Listed>& info) {
-  std::string name = info.param.root + "_" + info.param.path;
-  std::replace_if(
-      name.begin(), name.end(), [](char c) { return std::isalnum(static_cast<unsigned char>(c)) == 0; }, '_');
-  return name;
-}
-
 class MustAccept : public testing::TestWithParam<Listed> {};
 
 TEST_P(MustAccept, MovesAsLinuxCnc) {
   if (!have_oracle()) GTEST_SKIP() << kNoOracle;
   const Listed& listed = GetParam();
   if (!std::filesystem::exists(listed.file())) GTEST_SKIP() << listed.file() << " is absent";
-  const auto expected =
-      run(ABBE_ORACLE, kToolTable, std::filesystem::canonical(listed.file()).string(), scratch());
+  const auto expected = run(listed.file());
   ASSERT_TRUE(expected.has_value());
-  const bool open = listed.needs.find("open") != std::string::npos;
-  ASSERT_TRUE(expected->accepted || (open && expected->open_end)) << expected->message;
+  ASSERT_TRUE(expected->accepted || (listed.has("open") && expected->open_end)) << expected->message;
   EXPECT_EQ(static_cast<long>(expected->motions.size()), listed.motions);
   EXPECT_THAT(compare(listed.file(), *expected, setup_of_oracle()), testing::IsEmpty());
   EXPECT_THAT(compare_points(listed.file(), *expected, setup_of_oracle()), testing::IsEmpty());
@@ -216,13 +148,12 @@ INSTANTIATE_TEST_SUITE_P(Programs, MustAccept, testing::ValuesIn(must_accept()),
 void expect_random_programs_move_alike(int block, bool with_cycles) {
   constexpr int kPerBlock = 50, kShown = 3;
   const std::string folder = scratch();
-  std::filesystem::create_directories(folder);
   int different = 0;
   for (int k = 0; k < kPerBlock && different < kShown; ++k) {
     const auto seed = static_cast<std::uint64_t>(block * kPerBlock + k + 1);
     const std::string program = folder + "/seed_" + std::to_string(seed) + ".ngc";
-    std::ofstream(program, std::ios::binary) << random_program(seed, with_cycles);
-    const auto expected = run(ABBE_ORACLE, kToolTable, program, folder);
+    std::ofstream(program, std::ios::binary) << random_program(seed, {.cycles = with_cycles});
+    const auto expected = run(program);
     ASSERT_TRUE(expected.has_value());
     ASSERT_TRUE(expected->accepted) << program << "\n" << expected->message;
     std::string difference = compare(program, *expected, setup_of_oracle());
