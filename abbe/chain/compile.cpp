@@ -13,17 +13,17 @@ namespace {
 
 // ---- Error functions: folded to constants, gathered into polynomial blocks, or kept as they are.
 
-/// A polynomial of one axis position found inside a function, in the units of the file.
-struct PolynomialLeaf {
+/// A polynomial or table of one axis position found inside a function, in the units of the file.
+struct PiecewiseLeaf {
   const ErrorFunction* function = nullptr;
   const ErrorFunction::Node* node = nullptr;
   double factor = 1;
 };
 
-/// What a function is as a sum: a constant and polynomials of positions.
-struct PolynomialSum {
+/// What a function is as a sum: a constant and leaves.
+struct PiecewiseSum {
   double constant = 0;
-  std::vector<PolynomialLeaf> leaves;
+  std::vector<PiecewiseLeaf> leaves;
 };
 
 class FunctionSorter {
@@ -38,9 +38,9 @@ class FunctionSorter {
     return std::all_of(used.begin(), used.end(), [&](int v) { return is_sensor(v); });
   }
 
-  /// nullopt if the function is more than a sum of polynomials of positions.
-  [[nodiscard]] std::optional<PolynomialSum> as_polynomials(const ErrorFunction& f, bool& outside) const {
-    PolynomialSum sum;
+  /// nullopt if the function is more than a sum of polynomials and tables of positions.
+  [[nodiscard]] std::optional<PiecewiseSum> as_sum(const ErrorFunction& f, bool& outside) const {
+    PiecewiseSum sum;
     if (f.nodes().empty()) return sum;
     if (!add(f, static_cast<std::uint32_t>(f.nodes().size() - 1), 1.0, sum, outside)) return std::nullopt;
     return sum;
@@ -53,12 +53,14 @@ class FunctionSorter {
     return machine_.variables[static_cast<std::size_t>(variable)].kind == Variable::Kind::sensor;
   }
 
-  [[nodiscard]] bool add(const ErrorFunction& f, std::uint32_t index, double factor, PolynomialSum& sum,
+  [[nodiscard]] bool add(const ErrorFunction& f, std::uint32_t index, double factor, PiecewiseSum& sum,
                          bool& outside) const {
     const ErrorFunction::Node& node = f.nodes()[index];
     switch (node.form) {
       case Form::constant:
-      case Form::polynomial: {
+      case Form::polynomial:
+      case Form::linear:
+      case Form::cubic: {
         if (const std::optional<double> value = frozen_value(f, index, outside)) {
           sum.constant += factor * *value;
           return true;
@@ -112,11 +114,39 @@ class FunctionSorter {
   const std::vector<double>& variables_;
 };
 
-/// Polynomials of the same axis, reference and domain share a block.
-using BlockKey = std::tuple<int, double, double, double>;
+/// Leaves of the same axis, reference, domain and knots share a block.
+using BlockKey = std::tuple<int, double, double, double, double, std::vector<double>>;
 struct BlockDraft {
-  std::vector<std::array<double, kComponents>> rows;  // lowest power first
+  double inverse_step = 0;
+  std::size_t powers = 1;                                              // degree + 1
+  std::vector<std::vector<std::array<double, kComponents>>> segments;  // rows of each, lowest power first
 };
+
+/// A leaf in internal units: c_k (v - r)^k with v = q / unit becomes (c_k / unit^k) (q - r unit)^k.
+struct Piecewise {
+  std::vector<double> knots;
+  std::vector<std::vector<double>> coefficients;  // per knot, lowest power first
+};
+
+[[nodiscard]] Piecewise in_internal_units(const PiecewiseLeaf& leaf, double unit) {
+  using Form = ErrorFunction::Form;
+  namespace detail = error_function_detail;
+  const ErrorFunction::Node& node = *leaf.node;
+  const double* data = leaf.function->data().data() + node.data;
+  Piecewise out;
+  const bool table = node.form != Form::polynomial;
+  const std::size_t record = !table                      ? node.count
+                             : node.form == Form::linear ? detail::kLinearRecord
+                                                         : detail::kCubicRecord;
+  for (std::size_t i = 0; i < (table ? node.count : 1); ++i, data += record) {
+    out.knots.push_back(table ? data[0] * unit : 0.0);
+    std::vector<double>& row = out.coefficients.emplace_back();
+    double power = 1;
+    for (std::size_t k = table ? 1 : 0; k < record; ++k, power *= unit)
+      row.push_back(leaf.factor * data[k] / power);
+  }
+  return out;
+}
 
 using ErrorKey = std::pair<int, ErrorClass>;
 
@@ -155,7 +185,7 @@ class GroupBuilder {
       return;
     }
     bool outside = false;
-    const std::optional<PolynomialSum> sum = sorter_.as_polynomials(error.function, outside);
+    const std::optional<PiecewiseSum> sum = sorter_.as_sum(error.function, outside);
     if (!sum.has_value()) {
       draft.terms.push_back({&error.function, error.scale, error.name.direction});
       plan_.needs_variables = true;
@@ -164,11 +194,10 @@ class GroupBuilder {
     }
     plan_.constant_outside = plan_.constant_outside || outside;
     draft.group.constant[component] += error.scale * sum->constant;
-    for (const PolynomialLeaf& leaf : sum->leaves) add_leaf(draft, leaf, error.scale, component);
+    for (const PiecewiseLeaf& leaf : sum->leaves) add_leaf(draft, leaf, error.scale, component);
   }
 
-  /// c_k (v - r)^k with v = q / unit becomes (c_k / unit^k) (q - r unit)^k.
-  void add_leaf(Draft& draft, const PolynomialLeaf& leaf, double scale, std::size_t component) {
+  void add_leaf(Draft& draft, const PiecewiseLeaf& leaf, double scale, std::size_t component) {
     const ErrorFunction::Node& node = *leaf.node;
     const double unit = plan_.unit[static_cast<std::size_t>(node.variable)];
     // The ends are widened by rounding, so that 30 deg through radians is not beyond 30 deg.
@@ -177,12 +206,18 @@ class GroupBuilder {
                       (std::abs(v) + std::abs(node.reference))) *
              unit;
     };
-    BlockDraft& block =
-        draft.blocks[{node.variable, node.reference * unit, end(node.lo, -1), end(node.hi, +1)}];
-    if (block.rows.size() < node.count) block.rows.resize(node.count, {});
-    double power = 1;
-    for (std::uint32_t k = 0; k < node.count; ++k, power *= unit) {
-      block.rows[k][component] += leaf.factor * scale * leaf.function->data()[node.data + k] / power;
+    const Piecewise piecewise = in_internal_units(leaf, unit);
+    const double period = node.periodic ? node.period * unit : 0.0;
+    BlockDraft& block = draft.blocks[{node.variable, node.reference * unit, end(node.lo, -1),
+                                      end(node.hi, +1), period, piecewise.knots}];
+    block.inverse_step = node.uniform ? node.inverse_step / unit : 0.0;
+    block.segments.resize(piecewise.knots.size());
+    for (std::size_t i = 0; i < piecewise.knots.size(); ++i) {
+      const std::vector<double>& row = piecewise.coefficients[i];
+      block.powers = std::max(block.powers, row.size());
+      auto& rows = block.segments[i];
+      if (rows.size() < row.size()) rows.resize(row.size(), {});
+      for (std::size_t k = 0; k < row.size(); ++k) rows[k][component] += scale * row[k];
     }
   }
 
@@ -199,16 +234,9 @@ class GroupBuilder {
     }
     group.first_block = static_cast<std::uint32_t>(plan_.blocks.size());
     for (const auto& [block_key, block] : draft.blocks) {
-      if (block.rows.empty()) continue;
-      PolynomialBlock out;
-      std::tie(out.axis, out.reference, out.lo, out.hi) = block_key;
-      out.bounded = std::isfinite(out.lo) || std::isfinite(out.hi);
-      out.degree = static_cast<int>(block.rows.size()) - 1;
-      out.data = static_cast<std::uint32_t>(plan_.coefficients.size());
-      for (auto row = block.rows.rbegin(); row != block.rows.rend(); ++row) {
-        plan_.coefficients.insert(plan_.coefficients.end(), row->begin(), row->end());
-      }
-      plan_.blocks.push_back(out);
+      const bool first = plan_.blocks.size() == group.first_block;
+      plan_.blocks.push_back(
+          make_block(block_key, block, first ? group.constant : std::array<double, kComponents>{}));
     }
     group.block_count = static_cast<std::uint32_t>(plan_.blocks.size()) - group.first_block;
     group.first_term = static_cast<std::uint32_t>(plan_.terms.size());
@@ -217,6 +245,29 @@ class GroupBuilder {
     group.varies = group.block_count + group.term_count > 0;
     index_[key] = static_cast<int>(plan_.groups.size());
     plan_.groups.push_back(group);
+  }
+
+  /// `constant` is added to every segment: the group's constants cost nothing at run time.
+  [[nodiscard]] Block make_block(const BlockKey& key, const BlockDraft& draft,
+                                 const std::array<double, kComponents>& constant) {
+    Block out;
+    std::vector<double> knots;
+    std::tie(out.axis, out.reference, out.lo, out.hi, out.period, knots) = key;
+    out.bounded = std::isfinite(out.lo) || std::isfinite(out.hi);
+    out.degree = static_cast<int>(draft.powers) - 1;
+    out.inverse_step = draft.inverse_step;
+    out.segments = static_cast<std::uint32_t>(knots.size());
+    out.knots = static_cast<std::uint32_t>(plan_.knots.size());
+    out.data = static_cast<std::uint32_t>(plan_.coefficients.size());
+    plan_.knots.insert(plan_.knots.end(), knots.begin(), knots.end());
+    for (auto rows : draft.segments) {
+      rows.resize(draft.powers, {});
+      for (std::size_t k = 0; k < kComponents; ++k) rows[0][k] += constant[k];
+      for (auto row = rows.rbegin(); row != rows.rend(); ++row) {
+        plan_.coefficients.insert(plan_.coefficients.end(), row->begin(), row->end());
+      }
+    }
+    return out;
   }
 
   static constexpr std::array<signed char, kMaxAxes> kNoApproach{};
@@ -482,8 +533,15 @@ Plan compile_plan(std::shared_ptr<const Machine> machine, std::vector<double> va
   plan->model = model;
   plan->variables = std::move(variables);
   plan->axis_count = std::min(plan->machine->axis_count(), kMaxAxes);
-  for (int i = 0; i < plan->axis_count; ++i)
-    plan->unit[static_cast<std::size_t>(i)] = plan->machine->axis_unit(i);
+  for (int i = 0; i < plan->axis_count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    const Body& body = plan->machine->axis(i);
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    plan->unit[k] = plan->machine->axis_unit(i);
+    if (body.type == AxisType::rotary) plan->rotary |= std::uint32_t{1} << i;
+    plan->lo[k] = body.range.has_value() ? (*body.range)[0] : -kInfinity;
+    plan->hi[k] = body.range.has_value() ? (*body.range)[1] : kInfinity;
+  }
 
   const GroupBuilder groups(*plan, only);
   plan->nominal = OpBuilder(*plan, false).build(ChainBuilder(*plan->machine, groups, false).build());

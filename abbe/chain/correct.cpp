@@ -72,12 +72,12 @@ class Corrector {
   }
 
   void prepare(const CarriedColumns& columns) {
-    step_.prepare(*plan_.machine, columns, target_axis_, free_ & ~result_.held & ~idle_, options_.weights);
+    step_.prepare(plan_, columns, target_axis_, free_ & ~result_.held & ~idle_, options_.weights);
     if (step_.singular_axis() == CorrectionStep::kNone) return;
     // Two axes that turn the tool about one line: one of them rests. Whether that costs anything is
     // seen at the end.
     idle_ |= bit(step_.singular_axis());
-    step_.prepare(*plan_.machine, columns, target_axis_, free_ & ~result_.held & ~idle_, options_.weights);
+    step_.prepare(plan_, columns, target_axis_, free_ & ~result_.held & ~idle_, options_.weights);
   }
 
   [[nodiscard]] Actual actual() {
@@ -106,7 +106,10 @@ class Corrector {
 
   void measure(const Residual& r, double cosine, double allowance_mm) {
     result_.residual_position = r.position.norm() + allowance_mm;
-    result_.residual_direction = std::atan2(r.direction.norm(), cosine);
+    // angle = atan(sine / cosine), two terms where they are exact
+    const double sine = r.direction.norm();
+    const double x = sine / cosine;
+    result_.residual_direction = cosine > 0 && x < 1e-3 ? x * (1 - x * x / 3) : std::atan2(sine, cosine);
   }
 
   /// An axis that the step would take out of its travel, or a rotary axis that it would turn too far;
@@ -175,7 +178,7 @@ class Corrector {
     double linear = 0, rotary = 0;
     for (int i = 0; i < plan_.axis_count; ++i) {
       const double x = dq[static_cast<std::size_t>(i)];
-      (plan_.machine->axis(i).type == AxisType::rotary ? rotary : linear) += x * x;
+      ((plan_.rotary & bit(i)) != 0 ? rotary : linear) += x * x;
     }
     linear_mm = std::sqrt(linear);
     return std::max(linear_mm / options_.position_tolerance, std::sqrt(rotary) / options_.rotation_tolerance);
@@ -216,8 +219,8 @@ class Corrector {
     for (int i = 0; i < plan_.axis_count; ++i) {
       const auto k = static_cast<std::size_t>(i);
       if ((free_ & ~idle_ & bit(i)) == 0) continue;
-      const bool too_far = plan_.machine->axis(i).type == AxisType::rotary &&
-                           std::abs(start[k] - query_.q[k]) > options_.max_rotary_correction;
+      const bool too_far =
+          (plan_.rotary & bit(i)) != 0 && std::abs(start[k] - query_.q[k]) > options_.max_rotary_correction;
       if (!too_far) q_[k] = std::clamp(start[k], lo_[k], hi_[k]);
     }
   }
@@ -322,7 +325,7 @@ class Corrector {
   CarriedColumns columns_;
   CorrectionStep step_;
   Vec3 target_ = Vec3::Zero(), target_axis_ = Vec3::UnitZ();
-  Commands q_{}, lo_{}, hi_{};
+  Commands q_, lo_, hi_;
   Residual rest_, shift_;  ///< of one_step
   Correction result_;
 };

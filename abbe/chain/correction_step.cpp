@@ -35,21 +35,20 @@ constexpr double kJointLength = 300.0;  // mm: weighs direction against position
 
 }  // namespace
 
-void CorrectionStep::prepare(const Machine& machine, const CarriedColumns& columns, const Vec3& axis,
+void CorrectionStep::prepare(const Plan::Impl& plan, const CarriedColumns& columns, const Vec3& axis,
                              AxisSet free, const std::array<double, kMaxAxes>& weights) {
-  // Any two unit vectors across the axis: start from the coordinate farthest from it.
-  Eigen::Index smallest = 0;
-  axis.cwiseAbs().minCoeff(&smallest);
-  first_ = axis.cross(Vec3(Vec3::Unit(smallest))).normalized();
-  second_ = axis.cross(first_);
+  // Two unit vectors across the axis without a root (Duff et al., Building an Orthonormal Basis,
+  // Revisited, 2017).
+  const double sign = std::copysign(1.0, axis.z()), a = -1.0 / (sign + axis.z()), b = axis.x() * axis.y() * a;
+  first_ = {1.0 + sign * axis.x() * axis.x() * a, sign * b, -sign * axis.x()};
+  second_ = {b, sign + axis.y() * axis.y() * a, -axis.y()};
 
   linear_count_ = rotary_count_ = 0;
-  const int count = std::min(machine.axis_count(), kMaxAxes);
-  for (int i = 0; i < count; ++i) {
+  for (int i = 0; i < plan.axis_count; ++i) {
     if ((free & (AxisSet{1} << i)) == 0) continue;
     const auto k = static_cast<std::size_t>(i);
     position_[k] = columns.position.col(i);
-    if (machine.axis(i).type == AxisType::rotary) {
+    if ((plan.rotary & (AxisSet{1} << i)) != 0) {
       direction_[k] = across(columns.tool_axis.col(i));
       rotary_[static_cast<std::size_t>(rotary_count_++)] = i;
     } else {
@@ -108,7 +107,8 @@ void CorrectionStep::prepare_linear(const std::array<double, kMaxAxes>& weights)
     const Vec3 bc = b.cross(c);
     const double volume = a.dot(bc);
     if (std::abs(volume) > kDependent) {
-      linear_rows_ = {bc / volume, c.cross(a) / volume, a.cross(b) / volume};
+      const double inverse = 1.0 / volume;
+      linear_rows_ = {Vec3(bc * inverse), Vec3(c.cross(a) * inverse), Vec3(a.cross(b) * inverse)};
       square_ = true;
       position_rank_ = 3;
       return;

@@ -25,7 +25,7 @@ class CorrectionStep {
   static constexpr int kNone = -1;
 
   /// columns  nominal derivatives; `axis` the target tool axis, a unit vector
-  void prepare(const Machine& machine, const CarriedColumns& columns, const Vec3& axis, AxisSet free,
+  void prepare(const Plan::Impl& plan, const CarriedColumns& columns, const Vec3& axis, AxisSet free,
                const std::array<double, kMaxAxes>& weights);
 
   /// dq of all axes (0 for those not free) that removes r; `left` is what it cannot remove.
@@ -53,7 +53,7 @@ class CorrectionStep {
   void prepare_joint(const std::array<double, kMaxAxes>& weights);
 
   Vec3 first_ = Vec3::UnitX(), second_ = Vec3::UnitY();  ///< unit vectors across the target axis
-  std::array<int, kMaxAxes> linear_{}, rotary_{};
+  std::array<int, kMaxAxes> linear_, rotary_;
   int linear_count_ = 0, rotary_count_ = 0;
   std::array<Vec3, kMaxAxes> position_;   ///< columns by axis
   std::array<Vec2, kMaxAxes> direction_;  ///< of rotary axes

@@ -141,7 +141,7 @@ class InverseSolver {
     for (const int i : linear_) free |= AxisSet{1} << i;
     for (int pass = 0; pass < 2; ++pass) {
       const CarriedColumns c = columns_at(q);
-      step.prepare(*plan_.machine, c, direction_, free, {});
+      step.prepare(plan_, c, direction_, free, {});
       Residual left;
       const Commands dq = step.solve({c.p - position_, Vec2(0, 0)}, left);
       for (std::size_t i = 0; i < dq.size(); ++i) q[i] += dq[i];

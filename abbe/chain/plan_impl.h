@@ -41,8 +41,8 @@ struct Op {
 
 /// The error factor of one body and class: constants plus functions of the query.
 struct Group {
-  std::array<double, kComponents> constant{};
-  Vec3 lever = Vec3::Zero();  ///< measured_at - origin: d -= e x lever
+  std::array<double, kComponents> constant{};  ///< of blocks: folded into the first one
+  Vec3 lever = Vec3::Zero();                   ///< measured_at - origin: d -= e x lever
   bool has_lever = false;
   bool varies = false;     ///< has blocks or terms
   bool rotates = false;    ///< some e is not identically zero
@@ -51,15 +51,20 @@ struct Group {
   std::uint32_t first_term = 0, term_count = 0;
 };
 
-/// Polynomials of one axis position for all six components at once, in mm or rad of internal units:
-/// rows of six coefficients, highest power first.
-struct PolynomialBlock {
+/// Piecewise polynomials of one axis position for all six components at once, in mm or rad of internal
+/// units: polynomials (one segment) and tables that share their positions. Per segment rows of six
+/// coefficients, highest power first, of the distance from the segment's knot.
+struct Block {
   int axis = 0;
   int degree = 0;
   double reference = 0;
   double lo = -std::numeric_limits<double>::infinity(), hi = std::numeric_limits<double>::infinity();
+  double period = 0;        ///< 0: not periodic
+  double inverse_step = 0;  ///< of equally spaced knots, 0: not
   bool bounded = false;
-  std::uint32_t data = 0;
+  std::uint32_t segments = 1;
+  std::uint32_t knots = 0;  ///< first of `segments` numbers in Impl::knots
+  std::uint32_t data = 0;   ///< first coefficient in Impl::coefficients
 };
 
 /// Any other function: component += scale * function(variables of the file).
@@ -83,11 +88,13 @@ struct Plan::Impl {
   std::vector<Op> nominal, actual, first_order;  ///< actual is empty in the first-order model
   std::vector<Group> groups;
   std::vector<Mat3> matrices;
-  std::vector<PolynomialBlock> blocks;
-  std::vector<double> coefficients;
+  std::vector<Block> blocks;
+  std::vector<double> knots, coefficients;
   std::vector<GeneralTerm> terms;
   std::array<double, kMaxAxes> unit{};  ///< mm or rad per unit of the file, per moving axis
   int axis_count = 0;
+  std::uint32_t rotary = 0;                 ///< bit i: moving axis i is rotary
+  std::array<double, kMaxAxes> lo{}, hi{};  ///< travels, infinite where none is given
 };
 
 /// Compiles for an environment that is already frozen in `variables` (file units, positions ignored).

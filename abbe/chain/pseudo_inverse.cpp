@@ -66,6 +66,7 @@ SmallMatrix pseudo_inverse(const SmallMatrix& a, int& rank) {
   SmallMatrix inverse;
   inverse.rows = a.rows;
   inverse.count = a.count;
+  for (std::size_t k = 0; k < count; ++k) inverse.columns[k] = {};
   rank = 0;
   for (std::size_t e = 0; e < rows; ++e) {
     if (!(gram[e][e] > 1e-14 * largest)) continue;

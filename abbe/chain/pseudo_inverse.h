@@ -10,7 +10,7 @@ namespace abbe {
 struct SmallMatrix {
   static constexpr int kRows = 5;
   using Column = std::array<double, kRows>;
-  std::array<Column, kMaxAxes> columns{};
+  std::array<Column, kMaxAxes> columns;  ///< the first `count`, each set to its end
   int rows = 0, count = 0;
 };
 

@@ -38,34 +38,67 @@ struct CarriedTwist : Carried<T, N> {
   Vec3T<T> e = Vec3T<T>::Zero();
 };
 
+/// The segment of a block that holds x: the last knot not above it, or the first.
+[[nodiscard]] inline std::uint32_t segment_of(const Plan::Impl& plan, const Block& block, double x) {
+  const double* knots = plan.knots.data() + block.knots;
+  const std::uint32_t last = block.segments - 1;
+  if (block.inverse_step > 0) {
+    const double guess = (x - knots[0]) * block.inverse_step;
+    std::uint32_t i = guess > 0 ? (guess < last ? static_cast<std::uint32_t>(guess) : last) : 0;
+    // Rounding may have put us one segment off.
+    if (i > 0 && knots[i] > x) --i;
+    if (i < last && knots[i + 1] <= x) ++i;
+    return i;
+  }
+  std::uint32_t base = 0;
+  for (std::uint32_t left = block.segments; left > 1;) {
+    const std::uint32_t half = left / 2;
+    base = knots[base + half] <= x ? base + half : base;
+    left -= half;
+  }
+  return base;
+}
+
+/// Six piecewise polynomials side by side, by Horner's rule.
+template <class T>
+inline void evaluate(const Plan::Impl& plan, const Block& block, const Inputs<T>& in,
+                     std::array<T, kComponents>& value, bool* outside) {
+  T x = in.q[block.axis] - T(block.reference);
+  if (block.bounded && !(value_of(x) >= block.lo && value_of(x) <= block.hi)) {
+    x = T(value_of(x) > block.hi ? block.hi : block.lo);
+    *outside = true;
+  }
+  const double* row = plan.coefficients.data() + block.data;
+  if (block.segments > 1) {
+    if (block.period > 0) {
+      const double first = plan.knots[block.knots], turns = std::floor((value_of(x) - first) / block.period);
+      if (turns != 0 && std::isfinite(turns)) x = x - T(turns * block.period);
+    }
+    const std::uint32_t i = segment_of(plan, block, value_of(x));
+    x = x - T(plan.knots[block.knots + i]);
+    row += static_cast<std::size_t>(i) * static_cast<std::size_t>(block.degree + 1) * kComponents;
+  }
+  for (std::size_t k = 0; k < kComponents; ++k) value[k] = T(row[k]);
+  for (int power = 0; power < block.degree; ++power) {
+    row += kComponents;
+    for (std::size_t k = 0; k < kComponents; ++k) value[k] = value[k] * x + T(row[k]);
+  }
+}
+
 /// The six components of an error factor for these inputs (docs/theory/chain.md, equation 4).
 template <class T>
 inline void evaluate(const Plan::Impl& plan, const Group& group, const Inputs<T>& in, Vec3T<T>& d,
                      Vec3T<T>& e, bool* outside) {
   std::array<T, kComponents> sum;
-  for (std::size_t k = 0; k < kComponents; ++k) sum[k] = T(group.constant[k]);
-
-  for (std::uint32_t b = 0; b < group.block_count; ++b) {
-    const PolynomialBlock& block = plan.blocks[group.first_block + b];
-    T x = in.q[block.axis] - T(block.reference);
-    if (block.bounded) {
-      if (x < T(block.lo)) {
-        x = T(block.lo);
-        *outside = true;
-      } else if (x > T(block.hi)) {
-        x = T(block.hi);
-        *outside = true;
-      }
+  if (group.block_count > 0) {
+    evaluate(plan, plan.blocks[group.first_block], in, sum, outside);
+    for (std::uint32_t b = 1; b < group.block_count; ++b) {
+      std::array<T, kComponents> more;
+      evaluate(plan, plan.blocks[group.first_block + b], in, more, outside);
+      for (std::size_t k = 0; k < kComponents; ++k) sum[k] += more[k];
     }
-    // Horner on six polynomials side by side.
-    const double* row = plan.coefficients.data() + block.data;
-    std::array<T, kComponents> acc;
-    for (std::size_t k = 0; k < kComponents; ++k) acc[k] = T(row[k]);
-    for (int power = 0; power < block.degree; ++power) {
-      row += kComponents;
-      for (std::size_t k = 0; k < kComponents; ++k) acc[k] = acc[k] * x + T(row[k]);
-    }
-    for (std::size_t k = 0; k < kComponents; ++k) sum[k] += acc[k];
+  } else {
+    for (std::size_t k = 0; k < kComponents; ++k) sum[k] = T(group.constant[k]);
   }
   for (std::uint32_t i = 0; i < group.term_count; ++i) {
     const GeneralTerm& term = plan.terms[group.first_term + i];
@@ -242,15 +275,16 @@ inline void walk_first_order(const Plan::Impl& plan, const Inputs<T>& in, Carrie
 
 /// The nominal tip and tool axis with their derivatives by every moving axis.
 struct CarriedColumns : Carried<double, 1> {
-  Eigen::Matrix<double, 3, kMaxAxes> position = Eigen::Matrix<double, 3, kMaxAxes>::Zero();
-  Eigen::Matrix<double, 3, kMaxAxes> tool_axis = Eigen::Matrix<double, 3, kMaxAxes>::Zero();
+  Eigen::Matrix<double, 3, kMaxAxes> position, tool_axis;  ///< columns by axis; unused ones are not set
 };
 
 /// Adjoint columns (docs/theory/chain.md, equation 9), carried along with the point: a slide's column
 /// is u, a turn's u x p; later rotations turn the columns that exist.
 inline void walk_columns(const Plan::Impl& plan, const Inputs<double>& in, CarriedColumns& c) {
-  std::array<int, kMaxAxes> seen{};
+  std::array<int, kMaxAxes> seen;
   int count = 0;
+  c.position.leftCols(plan.axis_count).setZero();
+  c.tool_axis.leftCols(plan.axis_count).setZero();
   for (const Op& op : plan.nominal) {
     if (op.kind == Op::Kind::turn) {
       if (in.q[op.axis] != 0) {
