@@ -17,9 +17,9 @@ namespace {
 
 constexpr double kWidth = 1120, kHeight = 860;
 constexpr double kMargin = 40;
-constexpr double kPathTop = 96, kPathHeight = 400, kPathWidth = 430;
+constexpr double kPathTop = 104, kPathHeight = 400, kPathWidth = 430;
 constexpr double kStripLeft = 96, kStripRight = 1080, kStripHeight = 112;
-constexpr double kBeforeTop = 552, kAfterTop = 700;
+constexpr double kBeforeTop = 562, kAfterTop = 704;
 constexpr std::size_t kMostSegments = 6000;   ///< drawn per picture
 constexpr int kStripColumns = 900;            ///< of which the least and the largest value are drawn
 constexpr int kColours = 24;
@@ -41,6 +41,12 @@ std::string colour(double part) {
   std::array<int, 3> rgb{};
   for (std::size_t c = 0; c < 3; ++c) rgb[c] = static_cast<int>(std::lround((1 - f) * kStops[i][c] + f * kStops[i + 1][c]));
   return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
+}
+
+/// Two samples are farther apart than the path between them is long: a rapid went between.
+bool is_gap(const PathSample& a, const PathSample& b) {
+  constexpr double kSlack = 1e-3 * mm;
+  return (b.position - a.position).norm() > 1.001 * (b.travelled - a.travelled) + kSlack;
 }
 
 /// How space is laid on the page: across and up are vectors in workpiece axes.
@@ -191,7 +197,7 @@ void draw_path(SvgPage& page, const Projection& to_page, const std::vector<PathS
   };
   // Rapids first, below the cut; only what lies within the panel.
   for (std::size_t i = 1; i < samples.size(); ++i) {
-    if (!samples[i].rapid) continue;
+    if (!samples[i].rapid && !is_gap(samples[i - 1], samples[i])) continue;
     const PagePoint a = to_page(samples[i - 1].position), b = to_page(samples[i].position);
     if (inside(a) && inside(b)) page.line(a, b, {.colour = kLightGrey, .width = 0.6, .dashes = "3 2"});
   }
@@ -207,7 +213,7 @@ void draw_path(SvgPage& page, const Projection& to_page, const std::vector<PathS
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (!samples[i].rapid) ++cut;
     if (i == 0) continue;
-    if (samples[i].rapid) {
+    if (samples[i].rapid || is_gap(samples[i - 1], samples[i])) {
       finish();
       continue;
     }
@@ -318,7 +324,7 @@ void draw_strip(SvgPage& page, const StripData& data, double top, std::string_vi
     page.text({kStripRight - 4, y < top + 16 ? y + 12 : y - 4},
               fmt::format("allowed {:.2f} {}", *allowed_um, kMicrometre), {.size = 10, .anchor = SvgPage::Anchor::end, .colour = "#b06000"});
   }
-  const double from = data.travelled.empty() ? 0 : data.travelled.front();
+  const double from = 0;
   const double to = data.travelled.empty() ? 0 : data.travelled.back();
   for (std::size_t c = 0; c < 3; ++c) {
     const std::vector<PagePoint> points = strip_line(data.travelled, data.component[c], from, to, y0, scale);
@@ -343,7 +349,7 @@ void draw_strip(SvgPage& page, const StripData& data, double top, std::string_vi
       page.text({at, bottom + 17}, fmt::format("{:.{}f}", value, lengths.decimals), {.size = 11, .anchor = SvgPage::Anchor::middle});
     }
   }
-  page.text({(kStripLeft + kStripRight) / 2, bottom + 34}, "path length (mm)", {.size = 12, .anchor = SvgPage::Anchor::middle});
+  page.text({(kStripLeft + kStripRight) / 2, bottom + 34}, "length of the feed path (mm)", {.size = 12, .anchor = SvgPage::Anchor::middle});
 }
 
 std::string name_of_file(const std::string& path) {
@@ -364,13 +370,16 @@ std::string figure_before_after(const ProgramReport& report) {
   const VerifyReport& verify = report.verify != nullptr ? *report.verify : kNothing;
   SvgPage page(kWidth, kHeight);
   const std::string title = fmt::format("{}: deviation of the tool tip before and after correction", name_of_file(report.input_name));
-  page.text({kMargin, 36}, title, {.size = 18, .bold = true});
+  page.text({kMargin, 34}, title, {.size = 18, .bold = true});
   std::string source = fmt::format("machine {}", report.machine->name);
   if (!report.machine->calibration.date.empty()) source += ", calibrated " + report.machine->calibration.date;
-  source += fmt::format("; errors sha256 {}; program sha256 {}; workpiece axes, d = actual - nominal{}",
-                        report.machine->sha256.substr(0, 12), verify.original.sha256.substr(0, 12),
-                        report.datum == DatumRule::probed ? ", less the deviation at the probed datum" : "");
-  page.text({kMargin, 56}, source, {.size = 11, .colour = kGrey});
+  source += fmt::format("; machine file sha256 {}; program sha256 {}", report.machine->sha256.substr(0, 12),
+                        verify.original.sha256.substr(0, 12));
+  page.text({kMargin, 53}, source, {.size = 11, .colour = kGrey});
+  page.text({kMargin, 67},
+            fmt::format("positions and d in workpiece axes of the machine file; d = actual - nominal tip{}",
+                        report.datum == DatumRule::probed ? ", less what it is at the probed datum" : ""),
+            {.size = 11, .colour = kGrey});
 
   const std::vector<PathSample> samples = samples_to_draw(verify.samples);
   const bool has_cut = std::any_of(samples.begin(), samples.end(), [](const PathSample& s) { return !s.rapid; });

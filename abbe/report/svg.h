@@ -58,7 +58,7 @@ struct Ticks {
 };
 [[nodiscard]] Ticks round_ticks(double lo, double hi, int count);
 
-/// The smallest 1, 2, 2.5 or 5 times a power of ten that is at least `value` (1 for 0).
+/// The smallest 1, 1.5, 2, 3, 4, 5, 6 or 8 times a power of ten that is at least `value` (1 for 0).
 [[nodiscard]] double round_up(double value);
 
 }  // namespace abbe

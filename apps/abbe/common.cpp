@@ -214,8 +214,16 @@ std::optional<signed char> read_approach(std::string_view text) {
 }
 
 std::optional<std::string> read_input(const std::string& path, Session& session) {
-  const std::string source = path == "-" ? "/dev/stdin" : path;
-  FileResult<std::string> file = read_file(source);
+  std::optional<SpooledInput> spooled;
+  if (path == "-") {
+    FileResult<SpooledInput> input = SpooledInput::from_standard_input();
+    if (const auto* error = std::get_if<FileError>(&input)) {
+      session.report(*error, "<stdin>");
+      return std::nullopt;
+    }
+    spooled.emplace(std::move(std::get<SpooledInput>(input)));
+  }
+  FileResult<std::string> file = read_file(spooled ? spooled->path() : path);
   if (auto* text = std::get_if<std::string>(&file)) return std::move(*text);
   session.report(std::get<FileError>(file), path == "-" ? "<stdin>" : path);
   return std::nullopt;

@@ -17,9 +17,15 @@ bool is_blank(std::string_view text) { return text.find_first_not_of(" \t") == s
 }  // namespace
 
 FileResult<CsvReader> CsvReader::open(const std::string& path) {
-  FileResult<LineReader> lines = LineReader::open(path == "-" ? "/dev/stdin" : path);
+  std::optional<SpooledInput> spooled;
+  if (path == "-") {
+    FileResult<SpooledInput> input = SpooledInput::from_standard_input();
+    if (auto* error = std::get_if<FileError>(&input)) return std::move(*error);
+    spooled.emplace(std::move(std::get<SpooledInput>(input)));
+  }
+  FileResult<LineReader> lines = LineReader::open(spooled ? spooled->path() : path);
   if (auto* error = std::get_if<FileError>(&lines)) return std::move(*error);
-  CsvReader reader(path == "-" ? "<stdin>" : path, std::move(std::get<LineReader>(lines)));
+  CsvReader reader(path == "-" ? "<stdin>" : path, std::move(spooled), std::move(std::get<LineReader>(lines)));
   if (!reader.read_line() || is_blank(reader.row_)) {
     if (!reader.failed()) {
       reader.failure_ = reader.error_at_line("E-CSV", "no header row");

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "abbe/core/diagnostic.h"
@@ -48,7 +49,8 @@ class CsvReader {
   void fail_at(std::size_t column, std::string code, std::string message, std::string fix = {});
 
  private:
-  CsvReader(std::string name, LineReader lines) : name_(std::move(name)), lines_(std::move(lines)) {}
+  CsvReader(std::string name, std::optional<SpooledInput> spooled, LineReader lines)
+      : name_(std::move(name)), spooled_(std::move(spooled)), lines_(std::move(lines)) {}
   struct Cell {
     std::size_t start, length;
   };
@@ -56,6 +58,7 @@ class CsvReader {
   [[nodiscard]] bool split();
 
   std::string name_;
+  std::optional<SpooledInput> spooled_;  ///< keeps the copy of standard input while it is read
   LineReader lines_;
   std::vector<std::string> header_;
   std::string row_;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "abbe/chain/effect.h"
 #include "abbe/core/units.h"
 #include "abbe/machine/machine.h"
 #include "abbe/report/json_writer.h"
@@ -115,6 +116,7 @@ void write_json(const Setting& setting, Session& session) {
   json.key("errors").begin_object();
   json.member("count", static_cast<std::uint64_t>(names.size())).member("names", names).end();
   json.member("inventory", error_inventory(machine));
+  json.member("errors_without_effect", errors_without_effect(machine));
   std::vector<std::string> sensors;
   for (const Variable& variable : machine.variables) {
     if (variable.kind == Variable::Kind::sensor) sensors.push_back(variable.name);
@@ -225,6 +227,8 @@ void write_text(const Machine& machine, Session& session) {
     if (!given) absent.push_back(name);
   }
   out.write(fmt::format("  {:<10} {}\n", "not given", wrapped(absent, 13)));
+  const std::vector<std::string> idle = errors_without_effect(machine);
+  if (!idle.empty()) out.write(fmt::format("  {:<10} {}\n", "no effect", wrapped(idle, 13)));
   out.write("\nwhat the signs mean\n");
   for (std::size_t i = 0; i < machine.bodies.size(); ++i) {
     if (machine.bodies[i].type == AxisType::fixed) continue;

@@ -1,5 +1,7 @@
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 #include <string>
@@ -24,9 +26,10 @@ std::string components_text(const Vec3& v, double unit, std::string_view unit_na
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return std::abs(v[a]) > std::abs(v[b]); });
   std::string text;
   for (const int i : order) {
-    if (std::abs(v[i]) < kWorthReading * std::abs(v[order[0]]) || v[i] == 0) continue;
+    const double shown = std::abs(v[i]) / unit;
+    if (std::abs(v[i]) < kWorthReading * std::abs(v[order[0]]) || shown < 0.5 * std::pow(10.0, -decimals)) continue;
     text += fmt::format("{}{}{} {:.{}f} {}", text.empty() ? "" : ", ", v[i] < 0 ? '-' : '+', kLetters[i],
-                        std::abs(v[i]) / unit, decimals, unit_name);
+                        shown, decimals, unit_name);
   }
   return text.empty() ? fmt::format("0 {}", unit_name) : text;
 }

@@ -15,8 +15,8 @@ namespace {
 constexpr double kLinearJog = 10 * mm;
 constexpr double kRotaryJog = 10 * deg;
 constexpr double kNoTravel = 100 * mm;         ///< to both sides, where no travel is stated
-constexpr double kMostSteps = 40;              ///< positions tried along an axis
-constexpr double kGoodEnough = 0.8;            ///< the shortest move that shows this part of the largest change
+constexpr double kMostSteps = 24;              ///< positions tried along an axis
+constexpr double kGoodEnough = 0.7;            ///< the shortest move that shows this part of the largest change
 constexpr double kOwnAxisEnough = 0.2;         ///< the error's own axis is preferred unless it shows much less
 constexpr double kNothing = 1e-3 * um;         ///< changes below this (mm, or rad times a metre) are no signal
 constexpr double kLever = 1000 * mm;           ///< weighs rotations against displacements
@@ -47,9 +47,11 @@ std::array<double, kMaxAxes> home(const Machine& machine) {
   return q;
 }
 
-/// Round positions over the travel: multiples of 1, 2 or 5 times a power of ten of the unit people jog in.
+/// Round positions over the travel: multiples of 1, 2 or 5 times a power of ten of the unit people jog in,
+/// or of 15 degrees.
 std::vector<double> round_positions(const Body& axis) {
-  const double unit = axis.type == AxisType::rotary ? deg : mm;
+  const bool rotary = axis.type == AxisType::rotary;
+  const double unit = rotary ? deg : mm;
   const auto [lo, hi] = travel_of(axis);
   const double least = (hi - lo) / unit / kMostSteps;
   std::vector<double> positions;
@@ -59,6 +61,8 @@ std::vector<double> round_positions(const Body& axis) {
   for (const double factor : {5.0, 2.0, 1.0}) {
     if (factor * power >= least) step = factor * power;
   }
+  // A full turn in steps that meet its quarters.
+  if (rotary && least > 10) step = 15;
   const double first = std::ceil(lo / unit / step - 1e-9), last = std::floor(hi / unit / step + 1e-9);
   for (double k = first; k <= last; ++k) positions.push_back(k * step * unit);
   return positions;
