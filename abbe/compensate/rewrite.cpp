@@ -30,7 +30,7 @@ RewriteReport rewrite_program(const Plan& plan, const RewriteJob& job, SpoolFile
                                             "describe X, Y and Z, or set `address` in the machine file"));
     return report;
   }
-  auto opened = LineReader::open(job.path);
+  auto opened = LineReader::open(job.path, false);
   if (auto* error = std::get_if<FileError>(&opened)) {
     report.diagnostics.push_back(whole_file(job.name, "E-FILE", error->message, "check the path and the permissions"));
     return report;
@@ -67,7 +67,6 @@ RewriteReport rewrite_program(const Plan& plan, const RewriteJob& job, SpoolFile
     report.diagnostics.push_back(whole_file(job.name, "E-FILE", reader.error()->message, "check the file and its medium"));
     return report;
   }
-  report.sha256_in = reader.sha256();
   if (refused) return report;
   if (written) written = out.write(text) && out.flush();
   if (!written) {

@@ -45,7 +45,7 @@ struct RewriteReport {
   Diagnostics diagnostics;
   FileIdentity identity;
   std::uint64_t lines_in = 0, bytes_in = 0, lines_out = 0;
-  std::string sha256_in;
+  std::string sha256_in;  ///< set by the pipeline, which reads the file before
   struct Blocks {
     std::uint64_t motion = 0, rewritten = 0, split = 0, passed = 0;
   } blocks;

@@ -194,6 +194,7 @@ struct LineReader::State {
   std::size_t lines = 0;
   std::uint64_t consumed = 0;
   std::optional<FileError> error;
+  bool hashed = true;
   Sha256 hash;
 
   bool refill() {
@@ -209,7 +210,7 @@ struct LineReader::State {
       at_end = true;
       return false;
     }
-    hash.add({buffer.data() + end, static_cast<std::size_t>(got)});
+    if (hashed) hash.add({buffer.data() + end, static_cast<std::size_t>(got)});
     end += static_cast<std::size_t>(got);
     return true;
   }
@@ -234,9 +235,10 @@ LineReader::~LineReader() = default;
 LineReader::LineReader(LineReader&&) noexcept = default;
 LineReader& LineReader::operator=(LineReader&&) noexcept = default;
 
-FileResult<LineReader> LineReader::open(const std::string& path) {
+FileResult<LineReader> LineReader::open(const std::string& path, bool hashed) {
   LineReader reader;
   State& state = *reader.state_;
+  state.hashed = hashed;
   state.path = path;
   // Not to wait for the other end of a pipe, which is refused below.
   state.file = Descriptor(open_retry(path.c_str(), O_RDONLY | O_NONBLOCK));
@@ -283,7 +285,21 @@ std::size_t LineReader::line_number() const { return state_->lines; }
 std::uint64_t LineReader::bytes_read() const { return state_->consumed; }
 const std::optional<FileError>& LineReader::error() const { return state_->error; }
 FileIdentity LineReader::identity() const { return state_->identity; }
-std::string LineReader::sha256() { return state_->hash.hex(); }
+std::string LineReader::sha256() { return state_->hashed ? state_->hash.hex() : std::string(); }
+
+void LineReader::read_on() {
+  State& s = *state_;
+  char last = '\n';
+  do {
+    const char* const from = s.buffer.data() + s.begin;
+    const char* const to = s.buffer.data() + s.end;
+    if (s.end == s.begin) continue;
+    s.lines += static_cast<std::size_t>(std::count(from, to, '\n'));
+    last = s.buffer[s.end - 1];
+    s.consume(s.end - s.begin);
+  } while (s.refill());
+  if (last != '\n') ++s.lines;
+}
 
 // --- SpoolFile
 

@@ -58,7 +58,8 @@ class LineReader {
  public:
   static constexpr std::size_t kMaxLine = std::size_t{1} << 16;
 
-  [[nodiscard]] static FileResult<LineReader> open(const std::string& path);
+  /// `hashed` false: sha256() is not asked for, reading is faster.
+  [[nodiscard]] static FileResult<LineReader> open(const std::string& path, bool hashed = true);
   ~LineReader();
   LineReader(LineReader&&) noexcept;
   LineReader& operator=(LineReader&&) noexcept;
@@ -71,7 +72,10 @@ class LineReader {
   [[nodiscard]] std::uint64_t bytes_read() const;  ///< consumed so far
   [[nodiscard]] const std::optional<FileError>& error() const;
   [[nodiscard]] FileIdentity identity() const;  ///< at the time of opening
-  [[nodiscard]] std::string sha256();           ///< of all bytes; call after the end
+  [[nodiscard]] std::string sha256();           ///< of all bytes; call after the end; empty if not hashed
+
+  /// Reads to the end without looking at lines one by one; the numbers above are then of the whole file.
+  void read_on();
 
  private:
   LineReader();

@@ -338,5 +338,22 @@ TEST_F(FileTest, StandardInputCanBeReadTwice) {
   EXPECT_FALSE(fs::exists(spooled));
 }
 
+TEST(LineReader, ReadingOnCountsTheSameLines) {
+  for (const std::string text : {"", "a", "a\n", "a\nb", "\n\nb\r\n"}) {
+    const std::string path = ::testing::TempDir() + "abbe_read_on_" + std::to_string(::getpid());
+    std::ofstream(path, std::ios::binary) << text;
+    auto one = LineReader::open(path), other = LineReader::open(path);
+    auto& slow = std::get<LineReader>(one);
+    auto& fast = std::get<LineReader>(other);
+    while (slow.next()) {
+    }
+    fast.read_on();
+    EXPECT_EQ(fast.line_number(), slow.line_number()) << text;
+    EXPECT_EQ(fast.bytes_read(), slow.bytes_read());
+    EXPECT_EQ(fast.sha256(), slow.sha256());
+    std::remove(path.c_str());
+  }
+}
+
 }  // namespace
 }  // namespace abbe

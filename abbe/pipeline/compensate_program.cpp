@@ -74,7 +74,7 @@ struct Input {
   std::string sha256;
 };
 
-std::optional<Input> open_input(Run& run, const Progress& progress) {
+std::optional<Input> open_input(Run& run) {
   Input input;
   input.path = run.job.program;
   input.name = named(run.job.program);
@@ -94,12 +94,7 @@ std::optional<Input> open_input(Run& run, const Progress& progress) {
   }
   auto& reader = std::get<LineReader>(opened);
   input.identity = reader.identity();
-  while (reader.next()) {
-    if (progress && reader.line_number() % 65536 == 0 && !progress(0, 0)) {
-      run.outcome.end = ProgramEnd::stopped;
-      return std::nullopt;
-    }
-  }
+  reader.read_on();
   if (reader.error()) {
     run.fail(input.name, *reader.error());
     return std::nullopt;
@@ -165,9 +160,9 @@ bool calibration_holds(Run& run) {
   return false;
 }
 
-bool unchanged(Run& run, const Input& input, const std::string& rewritten_sha) {
+bool unchanged(Run& run, const Input& input) {
   const auto now = identity_of(input.path);
-  if (rewritten_sha == input.sha256 && run.outcome.verify.original.sha256 == input.sha256 && now && *now == input.identity) return true;
+  if (run.outcome.rewrite.identity == input.identity && run.outcome.verify.original.sha256 == input.sha256 && now && *now == input.identity) return true;
   run.fail(ProgramEnd::refused, about(input.name, "E-CHANGED", "the program changed while it was read", "what was verified is not what stands there now", "run it again when nobody writes to it"));
   return false;
 }
@@ -228,7 +223,7 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   Run run{plan, job, {}};
   ProgramOutcome& outcome = run.outcome;
   const char* verb = job.output.empty() ? "check" : "compensate";
-  const auto input = open_input(run, progress);
+  const auto input = open_input(run);
   if (!input || !paths_are_apart(run, *input) || !is_fresh(run, *input) || !calibration_holds(run)) return std::move(run.outcome);
   auto created = SpoolFile::create(job.output.empty() ? "-" : job.output);
   if (const auto* error = std::get_if<FileError>(&created)) {
@@ -257,6 +252,7 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   }
   outcome.rewrite = rewrite_program(plan, rewrite, spool, progress);
   run.add(outcome.rewrite.diagnostics);
+  outcome.rewrite.sha256_in = input->sha256;
   report.rewrite = &outcome.rewrite;
   if (outcome.rewrite.stopped) {
     outcome.end = ProgramEnd::stopped;
@@ -282,7 +278,7 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
     outcome.end = ProgramEnd::stopped;
     return std::move(run.outcome);
   }
-  if (!unchanged(run, *input, outcome.rewrite.sha256_in)) return std::move(run.outcome);
+  if (!unchanged(run, *input)) return std::move(run.outcome);
   if (!outcome.verify.agrees) {
     outcome.end = ProgramEnd::disagrees;
     report.output_name.clear();
