@@ -12,6 +12,7 @@ namespace {
 constexpr double kSameWord = 1e-9;     // mm: words that are equal in the text
 constexpr double kSameCommand = 1e-7;  // mm: the same axis command, computed through two frames
 constexpr double kStrokeSpacing = 2;   // mm
+constexpr double kMaxSamples = 1e5;    // of one cycle block
 
 Axes bit(int axis) { return Axes{1} << axis; }
 
@@ -21,11 +22,26 @@ bool same_words(const Motion& a, const Motion& b) {
 
 }  // namespace
 
+/// The machine axes that a motion commands by its words. In a rotated frame X and Y move together.
+Axes Comparison::commanded(const Motion& original) const {
+  constexpr Axes plane_xy = 3;
+  const bool turned = !original.machine_words && original_.frames().system().rotation != 0;
+  return turned && (original.named & plane_xy) != 0 ? original.named | plane_xy : original.named;
+}
+
+/// Approach after a motion of which only some axes may be known.
+void Comparison::follow_known(const Motion& original) {
+  Vec3 direction = original.end.at - original.start.at;
+  for (int i = 0; i < 3; ++i)
+    if ((original.start.known & original.end.known & bit(i)) == 0) direction[i] = 0;
+  follow(direction);
+}
+
 /// A rapid whose end is known in all axes: the corrected axes must bring the tip where it belongs, the
 /// withheld ones must stay where they are.
 void Comparison::compare_rapid(const Motion& original, const Motion& output) {
-  withheld_ &= ~original.named;
-  if (original.start.known == kAllAxes) follow(original.end.at - original.start.at);
+  withheld_ &= ~commanded(original);
+  follow_known(original);
   if (output.end.known != kAllAxes) return disagree("V-END", "an axis position is not known after this rapid");
   const Vec3 target = model_.nominal(original.end.at) + datum_;
   const Vec3 deviation = model_.actual(output.end.at, approach_, nullptr) - target;
@@ -47,7 +63,7 @@ void Comparison::compare_rapid(const Motion& original, const Motion& output) {
 
 /// Rapids to places that are not known in all axes, and G28 G30: the words must be the same.
 void Comparison::compare_words(const Motion& original, const Motion& output) {
-  withheld_ &= ~original.named;
+  withheld_ &= ~commanded(original);
   ++report_.points;
   if (!same_words(original, output) || original.end.known != output.end.known)
     disagree("V-END", original.kind == MotionKind::home
@@ -58,6 +74,7 @@ void Comparison::compare_words(const Motion& original, const Motion& output) {
 /// G53: words are axis commands and must stay; the axes named keep their uncorrected position afterwards.
 void Comparison::compare_machine_move(const Motion& original, const Motion& output) {
   withheld_ |= original.named;
+  follow_known(original);
   ++report_.points;
   if (!same_words(original, output)) disagree("V-END", "a move in machine coordinates (G53) must stay as it is");
 }
@@ -87,7 +104,7 @@ void Comparison::compare_cycle(const Motion& original, const Motion& output) {
   const Cycle& a = original.cycle;
   const Cycle& b = output.cycle;
   const int axis = a.plane == 17 ? 2 : a.plane == 18 ? 1 : 0;
-  withheld_ &= ~(original.named | bit(axis));
+  withheld_ &= ~(commanded(original) | bit(axis));
   if (a.plane != b.plane || a.holes != b.holes || a.retracts_to_r != b.retracts_to_r || a.dwell != b.dwell ||
       std::abs(a.peck - b.peck) > kSameWord)
     return disagree("V-CYCLE", "plane, number of holes, retract level, dwell or peck of the cycle differ");
@@ -117,7 +134,7 @@ void Comparison::compare_stroke(const Motion& original, const Motion& output, co
   if (down.norm() > 0) follow(down);
   NominalPath path(model_, stroke, datum_);
   const double allowed = allowed_for(quantum());
-  const int intervals = 1 + static_cast<int>(std::min(10000.0, path.length() / kStrokeSpacing));
+  const int intervals = 1 + static_cast<int>(std::min(kMaxSamples / original.cycle.holes, path.length() / kStrokeSpacing));
   double worst = 0;
   bool outside = false;
   for (int i = 0; i <= intervals; ++i) {

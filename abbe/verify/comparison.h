@@ -46,6 +46,8 @@ class Comparison {
   void compare_machine_move(const Motion& original, const Motion& output);
   void compare_cycle(const Motion& original, const Motion& output);
   void compare_stroke(const Motion& original, const Motion& output, const Vec3& shift, const Vec3& output_shift);
+  [[nodiscard]] Axes commanded(const Motion& original) const;
+  void follow_known(const Motion& original);
   bool check_withheld(const Motion& original, const Motion& output);
   void check_reach(const Vec3& original, const Vec3& output);
   void measure_lost_motion(const Vec3& command);

@@ -20,7 +20,8 @@ constexpr double kSpiralInch = 0.00282842712474619;  // inch
 constexpr double kSpiralRelative = 1e-3;
 /// How much too short R may be for its chord.
 constexpr double kRadiusMm = 0.0127;
-constexpr int kMaxRepeats = 9999;
+constexpr int kMaxRepeats = 9999;  // holes, pecks
+constexpr int kMaxTurns = 999;
 
 struct Plane {
   int number, first, second, third;  ///< 17 18 19 and the indices of its axes
@@ -145,8 +146,8 @@ bool Control::arc() {
   arc.turns = 1;
   if (block_->has('P')) {
     if (!use('P') || !whole_word('P', arc.turns, "E-ARC")) return false;
-    if (arc.turns < 1 || arc.turns > kMaxRepeats)
-      return refuse_at('P', "E-ARC", fmt::format("P{} turns", arc.turns), "P counts turns: 1 or more",
+    if (arc.turns < 1 || arc.turns > kMaxTurns)
+      return refuse_at('P', "E-ARC", fmt::format("P{} turns", arc.turns), fmt::format("P counts turns: 1 to {}", kMaxTurns),
                        "correct the P word");
   }
   arc.start_angle = std::atan2(from.at[b] - centre[b], from.at[a] - centre[a]);
