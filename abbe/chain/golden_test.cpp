@@ -197,29 +197,51 @@ TEST(Golden, GearGrinderOfSeed003Forward) {
   EXPECT_VEC_NEAR(linear.actual.position, vec(f.at("pose_linear_printed")), 2.7e-8);
 }
 
+/// "dXy(X)" -> EYX, "gaAY" -> EC0A, "alT" -> EAt: the patent's names, rotations alpha beta gamma.
+ErrorName patent_name(const std::string& text) {
+  const std::map<std::string, int> rotation = {{"al", 3}, {"be", 4}, {"ga", 5}};
+  ErrorName name;
+  const bool displacement = text[0] == 'd';
+  const char axis = displacement ? text[1] : text[2];
+  name.direction = displacement ? text[2] - 'x' : rotation.at(text.substr(0, 2));
+  const bool mount = axis == 'T' || axis == 'W';
+  name.axis = mount ? std::string(1, static_cast<char>(axis - 'A' + 'a')) : std::string(1, axis);
+  name.error_class =
+      mount || text.find('(') != std::string::npos ? ErrorClass::component : ErrorClass::location;
+  return name;
+}
+
 TEST(Golden, GearGrinderOfSeed003Inverse) {
   GOLDEN_OR_SKIP("seed003_xyzac.json");
-  const json& c = file->at("inverse_cases").at(0);
-  const Machine machine = machine_at("machines/seed003-xyzac.toml");
-  const Plan plan = plan_of(machine, ErrorModel::rigid);
-  const auto ideal = [&] {
-    Query q = at(machine, {{"X", c.at("q_ideal")[0]},
-                           {"Y", c.at("q_ideal")[1]},
-                           {"Z", c.at("q_ideal")[2]},
-                           {"A", c.at("q_ideal")[3]},
-                           {"C", c.at("q_ideal")[4]}});
-    return q;
-  }();
-  const Correction corrected = correct(plan, ideal, *free_axes(machine, 0), {});
-  EXPECT_EQ(corrected.status, Status::ok);
-  const Query exact = at(machine, {{"X", c.at("q_exact_rigid")[0]},
-                                   {"Y", c.at("q_exact_rigid")[1]},
-                                   {"Z", c.at("q_exact_rigid")[2]},
-                                   {"A", c.at("q_exact_rigid")[3]},
-                                   {"C", c.at("q_exact_rigid")[4]}});
-  for (std::size_t i = 0; i < 5; ++i) {
-    EXPECT_NEAR(corrected.corrected[i], exact.q[i],
-                machine.axis(static_cast<int>(i)).type == AxisType::rotary ? 1e-12 : 1e-10);
+  for (const json& c : file->at("inverse_cases")) {
+    SCOPED_TRACE(c.at("tag").get<std::string>() + " " + c.at("seed").dump());
+    Machine machine = machine_at("machines/seed003-xyzac.toml");
+    std::size_t found = 0;
+    for (ErrorTerm& error : machine.errors) {
+      for (const auto& [name, value] : c.at("errors").items()) {
+        if (!(patent_name(name) == error.name)) continue;
+        error.function = ErrorFunction::constant(value);
+        ++found;
+      }
+    }
+    EXPECT_EQ(found, machine.errors.size());
+    const auto commands = [&](const json& q) {
+      return at(machine, {{"X", q[0]}, {"Y", q[1]}, {"Z", q[2]}, {"A", q[3]}, {"C", q[4]}});
+    };
+    const Plan plan = plan_of(machine, ErrorModel::rigid);
+    const Query ideal = commands(c.at("q_ideal")), exact = commands(c.at("q_exact_rigid"));
+    EXPECT_VEC_NEAR(nominal_tip(plan, ideal), vec(c.at("cl")), 1e-12);
+    EXPECT_VEC_NEAR(actual_tip(plan, exact), vec(c.at("cl")), 1e-12);
+    CorrectOptions options;
+    options.max_rotary_correction = 0.3;
+    const Correction corrected = correct(plan, ideal, *free_axes(machine, 0), options);
+    EXPECT_EQ(corrected.status, Status::ok);
+    // Rounding of 1e-16 in the tool axis is 1e-16 / sin(A) in C, and 100 times that in X and Y.
+    const double amplified = 1 / std::abs(std::sin(c.at("q_ideal")[3].get<double>()));
+    for (std::size_t i = 0; i < 5; ++i) {
+      const bool rotary = machine.axis(static_cast<int>(i)).type == AxisType::rotary;
+      EXPECT_NEAR(corrected.corrected[i], exact.q[i], (rotary ? 1e-12 : 1e-10) * amplified);
+    }
   }
 }
 
@@ -254,6 +276,29 @@ TEST(Golden, TwistsAndJacobiansOfTheUnifiedChecks) {
     for (std::size_t i = 0; i < names.size(); ++i) {
       EXPECT_NEAR(step.corrected[static_cast<std::size_t>(machine.find_axis(names[i]))],
                   g.at("one_step").at("q")[i].get<double>(), 1e-12);
+    }
+  }
+  {
+    // All seven axes free, weights in mm and rad.
+    const json& g = file->at("seed000").at("compensation").at(1);
+    const Machine machine = machine_at("machines/seed000-seven-axis-after.toml");
+    const Plan plan = plan_of(machine, ErrorModel::first_order);
+    std::map<std::string, double> q, expected;
+    CorrectOptions options;
+    options.method = Method::one_step;
+    for (std::size_t i = 0; i < g.at("axes").size(); ++i) {
+      const std::string name = g.at("axes")[i];
+      q[name] = g.at("steps")[0].at("q")[i];
+      expected[name] = g.at("steps").back().at("q")[i];
+      options.weights.at(static_cast<std::size_t>(machine.find_axis(name))) = g.at("weights").at(name);
+    }
+    const Correction step = correct(plan, at(machine, q), 0x7F, options);
+    EXPECT_EQ(step.status, Status::ok);
+    for (const auto& [name, value] : expected) {
+      const int axis = machine.find_axis(name);
+      const bool rotary = machine.axis(axis).type == AxisType::rotary;
+      // One first-order step against the converged rigid solution.
+      EXPECT_NEAR(step.corrected[static_cast<std::size_t>(axis)], value, rotary ? 3e-9 : 2e-6) << name;
     }
   }
   {
