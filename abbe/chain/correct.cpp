@@ -10,12 +10,13 @@
 namespace abbe {
 namespace {
 
-constexpr double kOkPosition = 1e-6;     // mm: what status ok may leave
-constexpr double kOkDirection = 1e-11;   // rad: a direction that counts as restored
-constexpr double kFirstRate = 1.0 / 16;  // contraction assumed before one was measured
-constexpr double kLeastRate = 1e-3;      // and never less, however lucky two steps were
-constexpr double kSlow = 0.1;            // contraction beyond which the Jacobian is renewed
-constexpr double kStalled = 1e3;         // times the tolerance: rounding of far positions, kinks of tables
+constexpr double kOkPosition = 1e-6;       // mm: what status ok may leave
+constexpr double kOkDirection = 1e-11;     // rad: a direction that counts as restored
+constexpr double kFirstRate = 1.0 / 16;    // contraction assumed before one was measured
+constexpr double kLeastRate = 1e-3;        // and never less, however lucky two steps were
+constexpr double kSlow = 0.1;              // contraction beyond which the Jacobian is renewed
+constexpr double kLeastTolerance = 1e-15;  // mm or rad: a tolerance of zero means this
+constexpr double kStalled = 1e3;           // times the tolerance: rounding of far positions, kinks of tables
 
 using Commands = std::array<double, kMaxAxes>;
 
@@ -181,7 +182,8 @@ class Corrector {
       ((plan_.rotary & bit(i)) != 0 ? rotary : linear) += x * x;
     }
     linear_mm = std::sqrt(linear);
-    return std::max(linear_mm / options_.position_tolerance, std::sqrt(rotary) / options_.rotation_tolerance);
+    return std::max(linear_mm / std::max(options_.position_tolerance, kLeastTolerance),
+                    std::sqrt(rotary) / std::max(options_.rotation_tolerance, kLeastTolerance));
   }
 
   [[nodiscard]] bool newton(const Commands* start) {
