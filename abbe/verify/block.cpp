@@ -21,32 +21,74 @@ constexpr bool is_number_start(char c) { return (c >= '0' && c <= '9') || c == '
 /// LinuxCNC's modal group of a G code (times 10), -1 if the code is not understood.
 constexpr int g_group(int code) {
   switch (code) {
-    case 40: case 100: case 280: case 300: case 520: case 530: case 920: case 921: case 922: case 923:
+    case 40:
+    case 100:
+    case 280:
+    case 300:
+    case 520:
+    case 530:
+    case 920:
+    case 921:
+    case 922:
+    case 923:
       return 0;
-    case 0: case 10: case 20: case 30: case 800: case 730: case 740: case 810: case 820: case 830: case 840:
-    case 850: case 860: case 890:
+    case 0:
+    case 10:
+    case 20:
+    case 30:
+    case 800:
+    case 730:
+    case 740:
+    case 810:
+    case 820:
+    case 830:
+    case 840:
+    case 850:
+    case 860:
+    case 890:
       return 1;
-    case 170: case 180: case 190:
+    case 170:
+    case 180:
+    case 190:
       return 2;
-    case 900: case 910:
+    case 900:
+    case 910:
       return 3;
-    case 901: case 911:
+    case 901:
+    case 911:
       return 4;
-    case 930: case 940: case 950:
+    case 930:
+    case 940:
+    case 950:
       return 5;
-    case 200: case 210:
+    case 200:
+    case 210:
       return 6;
     case 400:
       return 7;
-    case 430: case 431: case 490:
+    case 430:
+    case 431:
+    case 490:
       return 8;
-    case 980: case 990:
+    case 980:
+    case 990:
       return 10;
-    case 540: case 550: case 560: case 570: case 580: case 590: case 591: case 592: case 593:
+    case 540:
+    case 550:
+    case 560:
+    case 570:
+    case 580:
+    case 590:
+    case 591:
+    case 592:
+    case 593:
       return 12;
-    case 610: case 611: case 640:
+    case 610:
+    case 611:
+    case 640:
       return 13;
-    case 960: case 970:
+    case 960:
+    case 970:
       return 14;
     case 80:
       return 15;
@@ -58,17 +100,38 @@ constexpr int g_group(int code) {
 /// LinuxCNC's modal group of an M code, -1 if the code is not understood.
 constexpr int m_group(int code) {
   switch (code) {
-    case 0: case 1: case 2: case 30: case 60:
+    case 0:
+    case 1:
+    case 2:
+    case 30:
+    case 60:
       return Block::kStops;
-    case 62: case 63: case 64: case 65: case 66: case 67: case 68:
+    case 62:
+    case 63:
+    case 64:
+    case 65:
+    case 66:
+    case 67:
+    case 68:
       return 5;
-    case 6: case 61:
+    case 6:
+    case 61:
       return 6;
-    case 3: case 4: case 5: case 19:
+    case 3:
+    case 4:
+    case 5:
+    case 19:
       return 7;
-    case 7: case 8: case 9:
+    case 7:
+    case 8:
+    case 9:
       return 8;
-    case 48: case 49: case 50: case 51: case 52: case 53:
+    case 48:
+    case 49:
+    case 50:
+    case 51:
+    case 52:
+    case 53:
       return 9;
     default:
       return -1;
@@ -140,12 +203,13 @@ class Scanner {
       const std::size_t close = line_.find(')', at_);
       const std::size_t nested = line_.find('(', at_ + 1);
       if (close == std::string_view::npos)
-        return refuse(fault_, at_ + 1, line_.size() - at_, "E-COMMENT", "the comment is not closed on its line",
-                      "the control would read the rest of the line as text or stop here",
-                      "close it with ')'");
+        return refuse(
+            fault_, at_ + 1, line_.size() - at_, "E-COMMENT", "the comment is not closed on its line",
+            "the control would read the rest of the line as text or stop here", "close it with ')'");
       if (nested < close)
         return refuse(fault_, nested + 1, 1, "E-COMMENT", "'(' inside a comment",
-                      "comments do not nest: controls disagree where this one ends", "use other brackets inside");
+                      "comments do not nest: controls disagree where this one ends",
+                      "use other brackets inside");
       end = close + 1;
     }
     block_.comments[static_cast<std::size_t>(block_.comment_count++)] = line_.substr(at_, end - at_);
@@ -157,8 +221,9 @@ class Scanner {
     if (c == '#' || c == '[' || c == '=' || c == '<' || c == ']' || c == '>') return expression();
     const auto byte = static_cast<unsigned char>(c);
     return refuse(fault_, at_ + 1, 1, "E-CHAR",
-                  byte > 0x20 && byte < 0x7f ? fmt::format("'{}' outside a comment and without a word letter", c)
-                                             : fmt::format("byte 0x{:02x} outside a comment", byte),
+                  byte > 0x20 && byte < 0x7f
+                      ? fmt::format("'{}' outside a comment and without a word letter", c)
+                      : fmt::format("byte 0x{:02x} outside a comment", byte),
                   "its meaning is not known, so what the block does is not known either",
                   "remove it or put it into a comment");
   }
@@ -176,14 +241,16 @@ class Scanner {
       return refuse(fault_, column, 1, "E-OWORD", "O word",
                     "subprograms and loops are not followed; only a program number at the start is",
                     "expand the program before it is compensated");
-    if (at_ < line_.size() && (line_[at_] == '#' || line_[at_] == '[' || line_[at_] == '=' || line_[at_] == '<'))
+    if (at_ < line_.size() &&
+        (line_[at_] == '#' || line_[at_] == '[' || line_[at_] == '=' || line_[at_] == '<'))
       return expression();
 
     // Contiguous numbers take the fast way; a blank inside one is legal and rare.
     Decimal number = read_decimal(line_.substr(at_));
     std::size_t next = at_ + number.length;
     while (next < line_.size() && is_blank(line_[next])) ++next;
-    if ((number.length == 0 || next > at_ + number.length) && next < line_.size() && is_number_start(line_[next]))
+    if ((number.length == 0 || next > at_ + number.length) && next < line_.size() &&
+        is_number_start(line_[next]))
       number = read_spaced_decimal(line_.substr(at_));
     if (number.length == 0)
       return refuse(fault_, column, 1, "E-NUMBER", fmt::format("no number after {}", letter),
@@ -192,7 +259,8 @@ class Scanner {
     next = at_;
     while (next < line_.size() && is_blank(line_[next])) ++next;
     if (next < line_.size() && is_number_start(line_[next]))
-      return refuse(fault_, next + 1, 1, "E-NUMBER", fmt::format("the number after {} goes on strangely", letter),
+      return refuse(fault_, next + 1, 1, "E-NUMBER",
+                    fmt::format("the number after {} goes on strangely", letter),
                     "two points or signs in one number", "write one number per word");
     if (!(std::abs(number.value) <= kMaxNumber))
       return refuse(fault_, column, at_ + 1 - column, "E-NUMBER", "the number is too large",
@@ -219,7 +287,8 @@ class Scanner {
     }
     const std::uint32_t bit = std::uint32_t{1} << group;
     if ((block_.g_groups & bit) != 0)
-      return refuse(fault_, column, length, "E-BLOCK", fmt::format("G{:g}: two codes of one group in a block", value),
+      return refuse(fault_, column, length, "E-BLOCK",
+                    fmt::format("G{:g}: two codes of one group in a block", value),
                     "they contradict each other", "use two blocks");
     block_.g_groups |= bit;
     block_.g[static_cast<std::size_t>(group)] = static_cast<std::int16_t>(code);
@@ -238,7 +307,8 @@ class Scanner {
                     "take it out (docs/programs.md lists the codes known)");
     const std::uint32_t bit = std::uint32_t{1} << group;
     if ((block_.m_groups & bit) != 0)
-      return refuse(fault_, column, length, "E-BLOCK", fmt::format("M{:g}: two codes of one group in a block", value),
+      return refuse(fault_, column, length, "E-BLOCK",
+                    fmt::format("M{:g}: two codes of one group in a block", value),
                     "their order is not defined", "use two blocks");
     block_.m_groups |= bit;
     block_.m[static_cast<std::size_t>(group)] = static_cast<std::int16_t>(code);
@@ -247,7 +317,8 @@ class Scanner {
   }
 
   bool value_word(char letter, double value, std::size_t column, bool first) {
-    constexpr Letters known = letters('N', 'T', 'S', 'F', 'D', 'H', 'L', 'P', 'Q', 'R', 'X', 'Y', 'Z', 'I', 'J', 'K');
+    constexpr Letters known =
+        letters('N', 'T', 'S', 'F', 'D', 'H', 'L', 'P', 'Q', 'R', 'X', 'Y', 'Z', 'I', 'J', 'K');
     const std::size_t length = at_ + 1 - column;
     const Letters bit = letter_bit(letter);
     if ((known & bit) == 0) {

@@ -32,27 +32,29 @@ constexpr Letters letters(Char... letter) {
 /// The words of one block, before any meaning. Arrays are valid only where a bit says so, so that
 /// clearing a block costs four stores.
 struct Block {
-  static constexpr int kGroups = 16;       ///< LinuxCNC's modal groups of G codes
-  static constexpr int kStops = 4;         ///< M group: M0 M1 M2 M30 M60
+  static constexpr int kGroups = 16;  ///< LinuxCNC's modal groups of G codes
+  static constexpr int kStops = 4;    ///< M group: M0 M1 M2 M30 M60
   static constexpr int kMGroups = 10;
   static constexpr int kMaxComments = 127;
 
-  Letters words = 0;                       ///< value words present (neither G nor M)
-  std::array<double, 26> value;            ///< by letter
+  Letters words = 0;             ///< value words present (neither G nor M)
+  std::array<double, 26> value;  ///< by letter
   std::array<std::uint8_t, 26> column;
-  std::uint32_t g_groups = 0;              ///< bit = group
-  std::array<std::int16_t, kGroups> g;     ///< 10 times the code: G59.1 is 591
+  std::uint32_t g_groups = 0;           ///< bit = group
+  std::array<std::int16_t, kGroups> g;  ///< 10 times the code: G59.1 is 591
   std::array<std::uint8_t, kGroups> g_column;
   std::uint32_t m_groups = 0;
   std::array<std::int16_t, kMGroups> m;
   std::array<std::uint8_t, kMGroups> m_column;
-  bool deletable = false;                  ///< starts with '/'
+  bool deletable = false;  ///< starts with '/'
   int comment_count = 0;
   std::array<std::string_view, kMaxComments> comments;  ///< with their delimiters
 
   [[nodiscard]] bool has(char letter) const { return (words & letter_bit(letter)) != 0; }
   [[nodiscard]] double operator[](char letter) const { return value[static_cast<std::size_t>(letter - 'A')]; }
-  [[nodiscard]] std::size_t column_of(char letter) const { return column[static_cast<std::size_t>(letter - 'A')]; }
+  [[nodiscard]] std::size_t column_of(char letter) const {
+    return column[static_cast<std::size_t>(letter - 'A')];
+  }
   /// The code of a G group times 10, or -1.
   [[nodiscard]] int g_code(int group) const {
     return (g_groups >> group & 1) != 0 ? g[static_cast<std::size_t>(group)] : -1;
@@ -64,7 +66,8 @@ struct Block {
 
 /// Splits one line (without its end of line) into words. Every byte is part of a known word, a comment or
 /// blank, or the block is refused.
-/// errors   false with `fault` filled: E-CHAR E-COMMENT E-LINELEN E-OWORD E-EXPR E-NUMBER E-WORD E-ROTARY E-AXIS
+/// errors   false with `fault` filled: E-CHAR E-COMMENT E-LINELEN E-OWORD E-EXPR E-NUMBER E-WORD E-ROTARY
+/// E-AXIS
 ///          E-GCODE E-MCODE E-CUTCOM E-BLOCK
 /// cost     about 10 ns per word, no allocation unless refused
 [[nodiscard]] bool read_block(std::string_view line, Block& block, Fault& fault);

@@ -17,7 +17,8 @@ constexpr double kMaxSamples = 1e5;    // of one cycle block
 Axes bit(int axis) { return Axes{1} << axis; }
 
 bool same_words(const Motion& a, const Motion& b) {
-  return a.named == b.named && a.incremental == b.incremental && (a.words - b.words).cwiseAbs().maxCoeff() <= kSameWord;
+  return a.named == b.named && a.incremental == b.incremental &&
+         (a.words - b.words).cwiseAbs().maxCoeff() <= kSameWord;
 }
 
 }  // namespace
@@ -42,7 +43,8 @@ void Comparison::follow_known(const Motion& original) {
 void Comparison::compare_rapid(const Motion& original, const Motion& output) {
   withheld_ &= ~commanded(original);
   follow_known(original);
-  if (output.end.known != kAllAxes) return disagree("V-END", "an axis position is not known after this rapid");
+  if (output.end.known != kAllAxes)
+    return disagree("V-END", "an axis position is not known after this rapid");
   const Vec3 target = model_.nominal(original.end.at) + datum_;
   const Vec3 deviation = model_.actual(output.end.at, approach_, nullptr) - target;
   ++report_.points;
@@ -54,8 +56,8 @@ void Comparison::compare_rapid(const Motion& original, const Motion& output) {
   const double distance = model_.nominal_step(steps).norm();
   const double allowed = allowed_for(quantum());
   if (!(distance <= allowed))
-    disagree("V-END", fmt::format("the rapid ends {:.3f} um from its target, {:.3f} um are allowed", distance / um,
-                                  allowed / um));
+    disagree("V-END", fmt::format("the rapid ends {:.3f} um from its target, {:.3f} um are allowed",
+                                  distance / um, allowed / um));
   check_reach(original.end.at, output.end.at);
   if (!samples_.wants_next()) return samples_.skip();
   keep_sample(target - datum_, model_.actual(original.end.at, approach_, nullptr) - target, deviation, true);
@@ -76,16 +78,19 @@ void Comparison::compare_machine_move(const Motion& original, const Motion& outp
   withheld_ |= original.named;
   follow_known(original);
   ++report_.points;
-  if (!same_words(original, output)) disagree("V-END", "a move in machine coordinates (G53) must stay as it is");
+  if (!same_words(original, output))
+    disagree("V-END", "a move in machine coordinates (G53) must stay as it is");
 }
 
 /// False if a withheld axis was moved (and that was reported).
 bool Comparison::check_withheld(const Motion& original, const Motion& output) {
   for (int i = 0; i < 3; ++i) {
-    if ((withheld_ & bit(i)) == 0 || std::abs(output.end.at[i] - original.end.at[i]) <= kSameCommand) continue;
-    disagree("V-END", fmt::format("{} was left in machine coordinates (G53) and is moved by {:.3f} um although the "
-                                  "original does not command it",
-                                  static_cast<char>('X' + i), (output.end.at[i] - original.end.at[i]) / um));
+    if ((withheld_ & bit(i)) == 0 || std::abs(output.end.at[i] - original.end.at[i]) <= kSameCommand)
+      continue;
+    disagree("V-END",
+             fmt::format("{} was left in machine coordinates (G53) and is moved by {:.3f} um although the "
+                         "original does not command it",
+                         static_cast<char>('X' + i), (output.end.at[i] - original.end.at[i]) / um));
     return false;
   }
   return true;
@@ -94,10 +99,12 @@ bool Comparison::check_withheld(const Motion& original, const Motion& output) {
 void Comparison::check_reach(const Vec3& original, const Vec3& output) {
   const double moved = (output - original).norm();
   if (!(moved <= job_.max_correction + quantum()))
-    disagree("V-LIMIT", fmt::format("the commanded point is {:.1f} um from the original's, {:.1f} um are allowed",
-                                    moved / um, job_.max_correction / um));
+    disagree("V-LIMIT",
+             fmt::format("the commanded point is {:.1f} um from the original's, {:.1f} um are allowed",
+                         moved / um, job_.max_correction / um));
   if (const int axis = model_.beyond_travel(output); axis >= 0)
-    disagree("V-TRAVEL", fmt::format("{} leaves its travel: {:.4f} mm", static_cast<char>('X' + axis), output[axis]));
+    disagree("V-TRAVEL",
+             fmt::format("{} leaves its travel: {:.4f} mm", static_cast<char>('X' + axis), output[axis]));
 }
 
 void Comparison::compare_cycle(const Motion& original, const Motion& output) {
@@ -134,7 +141,8 @@ void Comparison::compare_stroke(const Motion& original, const Motion& output, co
   if (down.norm() > 0) follow(down);
   NominalPath path(model_, stroke, datum_);
   const double allowed = allowed_for(quantum());
-  const int intervals = 1 + static_cast<int>(std::min(kMaxSamples / original.cycle.holes, path.length() / kStrokeSpacing));
+  const int intervals =
+      1 + static_cast<int>(std::min(kMaxSamples / original.cycle.holes, path.length() / kStrokeSpacing));
   double worst = 0;
   bool outside = false;
   for (int i = 0; i <= intervals; ++i) {
@@ -157,7 +165,8 @@ void Comparison::compare_stroke(const Motion& original, const Motion& output, co
   measure_lost_motion(stroke.end.at);
   if (outside) disagree("V-VOL", "the hole leaves the volume in which the errors are known");
   if (!(worst <= allowed))
-    disagree("V-CYCLE", fmt::format("the hole is {:.3f} um off, {:.3f} um are allowed", worst / um, allowed / um));
+    disagree("V-CYCLE",
+             fmt::format("the hole is {:.3f} um off, {:.3f} um are allowed", worst / um, allowed / um));
 }
 
 /// Largest difference of the tip between coming from below and from above with one axis.

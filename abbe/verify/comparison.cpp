@@ -19,11 +19,14 @@ constexpr double kHalfDigitInch = 0.5e-5 * 25.4;
 constexpr double kRounding = 1e-8;  // mm
 
 const char* why_of(std::string_view code) {
-  if (code == "V-PATH" || code == "V-END") return "the tool would not cut where the original program means it to";
-  if (code == "V-CLASS") return "a rapid in place of a feed, or a feed in place of a rapid, moves at the wrong speed";
+  if (code == "V-PATH" || code == "V-END")
+    return "the tool would not cut where the original program means it to";
+  if (code == "V-CLASS")
+    return "a rapid in place of a feed, or a feed in place of a rapid, moves at the wrong speed";
   if (code == "V-FEED") return "the output must cut with the feeds of the original";
   if (code == "V-FRAME") return "every later position would be off by the difference";
-  if (code == "V-LIMIT") return "a correction this large is more likely a mistake than an error of the machine";
+  if (code == "V-LIMIT")
+    return "a correction this large is more likely a mistake than an error of the machine";
   if (code == "V-VOL") return "the errors are not known there, so the correction is a guess";
   if (code == "V-TRAVEL") return "the control would stop there";
   return "the output must do everything that the original does, in the same order";
@@ -35,17 +38,34 @@ std::string describe(const Event& event) {
   };
   std::string text;
   switch (event.kind) {
-    case EventKind::delimiter: text = "%"; break;
-    case EventKind::program_number: break;
-    case EventKind::block_number: break;
-    case EventKind::feed: break;
-    case EventKind::speed: break;
-    case EventKind::tool: break;
-    case EventKind::comment: text = fmt::format("the comment \"{}\"", event.text); break;
-    case EventKind::skipped_line: text = fmt::format("the deleted block \"{}\"", event.text); break;
-    case EventKind::after_end: text = fmt::format("\"{}\" behind the end", event.text); break;
-    case EventKind::m_code: text = fmt::format("M{}", event.code); break;
-    case EventKind::g_code: text = code10(event.code); break;
+    case EventKind::delimiter:
+      text = "%";
+      break;
+    case EventKind::program_number:
+      break;
+    case EventKind::block_number:
+      break;
+    case EventKind::feed:
+      break;
+    case EventKind::speed:
+      break;
+    case EventKind::tool:
+      break;
+    case EventKind::comment:
+      text = fmt::format("the comment \"{}\"", event.text);
+      break;
+    case EventKind::skipped_line:
+      text = fmt::format("the deleted block \"{}\"", event.text);
+      break;
+    case EventKind::after_end:
+      text = fmt::format("\"{}\" behind the end", event.text);
+      break;
+    case EventKind::m_code:
+      text = fmt::format("M{}", event.code);
+      break;
+    case EventKind::g_code:
+      text = code10(event.code);
+      break;
   }
   std::size_t n = 0;
   for (char letter = 'A'; letter <= 'Z'; ++letter)
@@ -67,7 +87,12 @@ std::string frame_name(int index) {
 
 Comparison::Comparison(const VerifyJob& job, TipModel& model, ProgramReader& original, ProgramReader& output,
                        VerifyReport& report)
-    : job_(job), model_(model), original_(original), output_(output), report_(report), samples_(job.samples) {}
+    : job_(job),
+      model_(model),
+      original_(original),
+      output_(output),
+      report_(report),
+      samples_(job.samples) {}
 
 void Comparison::run(const KeepGoing& keep_going) {
   std::uint32_t count = 0;
@@ -87,10 +112,14 @@ void Comparison::run(const KeepGoing& keep_going) {
         break;
       case Item::end:
         switch (output_.next()) {
-          case Item::refused: return refused(output_);
-          case Item::end: return;
-          case Item::event: return disagree("V-EXTRA", fmt::format("{} behind the end", describe(output_.event())));
-          case Item::motion: return disagree("V-EXTRA", "a motion behind the end of the original");
+          case Item::refused:
+            return refused(output_);
+          case Item::end:
+            return;
+          case Item::event:
+            return disagree("V-EXTRA", fmt::format("{} behind the end", describe(output_.event())));
+          case Item::motion:
+            return disagree("V-EXTRA", "a motion behind the end of the original");
         }
     }
   }
@@ -113,12 +142,14 @@ void Comparison::compare_event() {
     disagree(expected.kind == EventKind::feed ? "V-FEED" : "V-EVENT",
              fmt::format("expected {}, found {}", describe(expected), describe(found)));
   else if (original_.deletable() != output_.deletable())
-    disagree("V-EVENT", fmt::format("{}: one of the blocks can be deleted with '/', the other not", describe(found)));
+    disagree("V-EVENT",
+             fmt::format("{}: one of the blocks can be deleted with '/', the other not", describe(found)));
   if (expected.sets_frames) {
     compare_frames();
     context_changed_ = true;
   }
-  if (expected.kind == EventKind::m_code && (expected.code == 6 || expected.code == 61)) context_changed_ = true;
+  if (expected.kind == EventKind::m_code && (expected.code == 6 || expected.code == 61))
+    context_changed_ = true;
 }
 
 void Comparison::compare_frames() {
@@ -128,9 +159,10 @@ void Comparison::compare_frames() {
   const auto check = [&](const std::string& name, const Vec3& expected, const Vec3& found) {
     for (int i = 0; i < 3; ++i)
       if (!(std::abs(expected[i] - found[i]) <= allowed)) {
-        disagree("V-FRAME", fmt::format("{} {} is {:.5f} mm in the original and {:.5f} mm here: {:.2f} um apart", name,
-                                        static_cast<char>('X' + i), expected[i], found[i],
-                                        (found[i] - expected[i]) / um));
+        disagree(
+            "V-FRAME",
+            fmt::format("{} {} is {:.5f} mm in the original and {:.5f} mm here: {:.2f} um apart", name,
+                        static_cast<char>('X' + i), expected[i], found[i], (found[i] - expected[i]) / um));
         return;
       }
   };
@@ -151,7 +183,8 @@ void Comparison::compare_motion() {
   if (expected.feeds() && !expected.machine_words) return cover(expected);
   if (!pull_motion()) return;
   const Motion& found = output_.motion();
-  if (expected.kind != found.kind || expected.machine_words != found.machine_words || expected.code != found.code) {
+  if (expected.kind != found.kind || expected.machine_words != found.machine_words ||
+      expected.code != found.code) {
     if (expected.kind == MotionKind::cycle || found.kind == MotionKind::cycle)
       return disagree_and_stop("V-CYCLE", "another kind of motion than in the original");
     return disagree_and_stop("V-CLASS", "another kind of motion than in the original");
@@ -191,17 +224,21 @@ void Comparison::explain_disorder(Item found, const Event* expected) {
     return refused(output_);
   }
   const std::string wanted = expected != nullptr ? describe(*expected) : std::string("a motion");
-  if (found == Item::end) return disagree_and_stop("V-MISSING", fmt::format("the program ends before {}", wanted));
+  if (found == Item::end)
+    return disagree_and_stop("V-MISSING", fmt::format("the program ends before {}", wanted));
   const std::string here = found == Item::motion ? std::string("a motion") : describe(output_.event());
   if (expected == nullptr)
-    return disagree_and_stop("V-ORDER", fmt::format("expected a motion, found {}: a motion is missing, or the order "
-                                                    "of motions and events is another", here));
+    return disagree_and_stop("V-ORDER",
+                             fmt::format("expected a motion, found {}: a motion is missing, or the order "
+                                         "of motions and events is another",
+                                         here));
   disagree_and_stop("V-EVENT", fmt::format("expected {}, found {}", wanted, here));
   // Is the event there, but later? Its text does not outlive the line of the original, which stays.
   for (int i = 0; i < kLookAhead; ++i) {
     const Item item = output_.next();
     if (item == Item::end || item == Item::refused) return;
-    if (item != Item::event || !same_kind(*expected, output_.event()) || !same_values(*expected, output_.event()))
+    if (item != Item::event || !same_kind(*expected, output_.event()) ||
+        !same_values(*expected, output_.event()))
       continue;
     report_.diagnostics.back().code = "V-ORDER";
     report_.diagnostics.back().message += fmt::format("; it comes later, at line {}", output_.line());
@@ -214,7 +251,8 @@ void Comparison::disagree(const char* code, std::string message) {
   d.severity = Severity::error;
   d.code = code;
   d.place = {output_.name(), static_cast<std::size_t>(output_.line()), 1, 1, output_.source_line()};
-  d.message = fmt::format("{} ({} line {}: {})", message, original_.name(), original_.line(), original_.source_line());
+  d.message = fmt::format("{} ({} line {}: {})", message, original_.name(), original_.line(),
+                          original_.source_line());
   d.why = why_of(code);
   d.fix = "do not use this output; report it with both programs and the machine file";
   report_.diagnostics.push_back(std::move(d));
@@ -237,7 +275,8 @@ void Comparison::update_context() {
   reached_.valid = false;
   const std::optional<int> tool = original_.tool();
   if (auto fault = model_.use_tool(tool)) {
-    fault->place = {original_.name(), static_cast<std::size_t>(original_.line()), 1, 1, original_.source_line()};
+    fault->place = {original_.name(), static_cast<std::size_t>(original_.line()), 1, 1,
+                    original_.source_line()};
     report_.diagnostics.push_back(std::move(*fault));
     stop_ = true;
     return;
@@ -257,7 +296,9 @@ void Comparison::update_context() {
 }
 
 /// sqrt(3) half digits: each coordinate is rounded by at most half a digit.
-double Comparison::quantum() const { return std::sqrt(3.0) * (output_.inch() ? kHalfDigitInch : kHalfDigitMm); }
+double Comparison::quantum() const {
+  return std::sqrt(3.0) * (output_.inch() ? kHalfDigitInch : kHalfDigitMm);
+}
 
 double Comparison::allowed_for(double quantisation) {
   report_.quantisation = std::max(report_.quantisation, quantisation);

@@ -33,7 +33,7 @@ class Comparison {
   void compare_event();
   void compare_frames();
   void compare_motion();
-  bool pull_motion();                ///< the output's next item must be a motion
+  bool pull_motion();  ///< the output's next item must be a motion
   void explain_disorder(Item found, const Event* expected);
   void disagree(const char* code, std::string message);
   void disagree_and_stop(const char* code, std::string message);
@@ -45,7 +45,8 @@ class Comparison {
   void compare_words(const Motion& original, const Motion& output);
   void compare_machine_move(const Motion& original, const Motion& output);
   void compare_cycle(const Motion& original, const Motion& output);
-  void compare_stroke(const Motion& original, const Motion& output, const Vec3& shift, const Vec3& output_shift);
+  void compare_stroke(const Motion& original, const Motion& output, const Vec3& shift,
+                      const Vec3& output_shift);
   [[nodiscard]] Axes commanded(const Motion& original) const;
   void follow_known(const Motion& original);
   bool check_withheld(const Motion& original, const Motion& output);
@@ -66,9 +67,9 @@ class Comparison {
 
   /// Tip at the start of a motion: mostly where the last one ended, and then already known.
   [[nodiscard]] Vec3 start_tip(const Vec3& command);
-  [[nodiscard]] double quantum() const;   ///< allowance for the digits of a point, mm
+  [[nodiscard]] double quantum() const;  ///< allowance for the digits of a point, mm
   double allowed_for(double quantisation);
-  void follow(const Vec3& direction);     ///< approach after a motion in this direction
+  void follow(const Vec3& direction);  ///< approach after a motion in this direction
   void keep_sample(const Vec3& position, const Vec3& before, const Vec3& after, bool rapid);
 
   const VerifyJob& job_;
@@ -81,14 +82,14 @@ class Comparison {
   std::size_t disagreements_ = 0;
   bool context_changed_ = true;
   Vec3 datum_ = Vec3::Zero();
-  Axes withheld_ = 0;                     ///< left in machine coordinates by G53
+  Axes withheld_ = 0;  ///< left in machine coordinates by G53
   Approach approach_{};
   struct Reached {
     bool valid = false;
     Vec3 command = Vec3::Zero(), tip = Vec3::Zero();
     Approach approach{};
-  } reached_;                             ///< end of the output's last motion
-  double travelled_ = 0;                  ///< feed path so far, mm
+  } reached_;             ///< end of the output's last motion
+  double travelled_ = 0;  ///< feed path so far, mm
   DeviationTally before_, after_;
   SampleKeeper samples_;
 };

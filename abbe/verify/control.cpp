@@ -28,12 +28,14 @@ Control::Control(const ControlSetup& setup)
   u_ = program_of(frames_, m_);
 }
 
-bool Control::refuse(std::size_t column, const char* code, std::string message, std::string why, std::string fix) {
+bool Control::refuse(std::size_t column, const char* code, std::string message, std::string why,
+                     std::string fix) {
   *fault_ = {code, column, 1, std::move(message), std::move(why), std::move(fix)};
   return false;
 }
 
-bool Control::refuse_at(char letter, const char* code, std::string message, std::string why, std::string fix) {
+bool Control::refuse_at(char letter, const char* code, std::string message, std::string why,
+                        std::string fix) {
   return refuse(block_->has(letter) ? block_->column_of(letter) : 1, code, std::move(message), std::move(why),
                 std::move(fix));
 }
@@ -76,7 +78,8 @@ Event& Control::add(EventKind kind, int code, Letters words) {
 }
 
 Axes Control::named_axes() const {
-  return ((block_->words & letter_bit('X')) != 0 ? 1u : 0u) | ((block_->words & letter_bit('Y')) != 0 ? 2u : 0u) |
+  return ((block_->words & letter_bit('X')) != 0 ? 1u : 0u) |
+         ((block_->words & letter_bit('Y')) != 0 ? 2u : 0u) |
          ((block_->words & letter_bit('Z')) != 0 ? 4u : 0u);
 }
 
@@ -85,7 +88,8 @@ bool Control::frame_known() {
   const int i = frames_.active;
   const std::string name = i < 6 ? fmt::format("G{}", 54 + i) : fmt::format("G59.{}", i - 5);
   return refuse(1, "E-WCS", fmt::format("the origin of {} is not known", name),
-                "errors depend on where the machine's axes stand", fmt::format("give --offset {}=X..,Y..,Z..", name));
+                "errors depend on where the machine's axes stand",
+                fmt::format("give --offset {}=X..,Y..,Z..", name));
 }
 
 bool Control::execute(const Block& block, Fault& fault) {
@@ -105,8 +109,8 @@ bool Control::execute(const Block& block, Fault& fault) {
     add(EventKind::comment, 0).text = block.comments[static_cast<std::size_t>(i)];
   if (!choose_motion()) return false;
   constexpr std::uint32_t motion_group = 1u << 1;
-  const bool plain = (block.g_groups & ~motion_group) == 0 && block.m_groups == 0 && block.g_code(1) != kNoMotion &&
-                     (block.words & letters('S', 'T')) == 0;
+  const bool plain = (block.g_groups & ~motion_group) == 0 && block.m_groups == 0 &&
+                     block.g_code(1) != kNoMotion && (block.words & letters('S', 'T')) == 0;
   if (plain) {
     if (!feed_words()) return false;
   } else {
@@ -134,7 +138,8 @@ bool Control::choose_motion() {
                     "it is not defined whether the machine moves", "use two blocks");
   }
   if (explicit_motion >= 0) {
-    mode_ = is_cycle(explicit_motion) ? mode_ : explicit_motion;  // a cycle becomes the mode after its first block
+    mode_ = is_cycle(explicit_motion) ? mode_
+                                      : explicit_motion;  // a cycle becomes the mode after its first block
     if (is_cycle(explicit_motion)) motion_code_ = explicit_motion;
     if (explicit_motion == 20 || explicit_motion == 30) motion_code_ = explicit_motion;
     if ((explicit_motion == 0 || explicit_motion == 10) && axis_words) motion_code_ = explicit_motion;
@@ -143,7 +148,10 @@ bool Control::choose_motion() {
                     "give the motion code");
   } else if (!covets_ && (axis_words || ((mode_ == 20 || mode_ == 30) && (b.words & kCentreLetters) != 0))) {
     if (mode_ == kNoMotion)
-      return refuse_at(b.has('X') ? 'X' : b.has('Y') ? 'Y' : 'Z', "E-MODE", "axis words without a motion code",
+      return refuse_at(b.has('X')   ? 'X'
+                       : b.has('Y') ? 'Y'
+                                    : 'Z',
+                       "E-MODE", "axis words without a motion code",
                        "no motion is active: the control stops here", "begin with G0, G1, G2 or G3");
     motion_code_ = mode_;
   }
@@ -151,11 +159,11 @@ bool Control::choose_motion() {
     const int distance = b.g_code(3) >= 0 ? b.g_code(3) : incremental_ ? 910 : 900;
     const int motion = motion_code_ >= 0 ? motion_code_ : explicit_motion >= 0 ? explicit_motion : mode_;
     if (distance == 910)
-      return refuse(b.g_column[0], "E-G53", "G53 in G91", "controls disagree whether its words are increments",
-                    "use G90");
+      return refuse(b.g_column[0], "E-G53", "G53 in G91",
+                    "controls disagree whether its words are increments", "use G90");
     if (motion != 0 && motion != 10)
-      return refuse(b.g_column[0], "E-G53", "G53 needs G0 or G1", "only straight moves go in machine coordinates",
-                    "give G0 or G1 in the block");
+      return refuse(b.g_column[0], "E-G53", "G53 needs G0 or G1",
+                    "only straight moves go in machine coordinates", "give G0 or G1 in the block");
   }
   return true;
 }
@@ -165,7 +173,8 @@ bool Control::feed_words() {
   if (!use('F')) return false;
   feed_ = (*block_)['F'];
   if (feed_ < 0)
-    return refuse_at('F', "E-FEED", "negative feed", "a feed is a speed without direction", "correct the F word");
+    return refuse_at('F', "E-FEED", "negative feed", "a feed is a speed without direction",
+                     "correct the F word");
   const bool belongs_to_motion = feed_mode_ == 930 && motion_code_ >= 10 && motion_code_ <= 30;
   if (!belongs_to_motion) add(EventKind::feed, 0, letter_bit('F'));
   return true;
@@ -337,14 +346,17 @@ bool Control::set_system() {
   const Block& b = *block_;
   int l = 0, p = 0;
   if (!b.has('L') || !b.has('P'))
-    return refuse(b.g_column[0], "E-G10", "G10 without L and P", "what it sets is not known", "give L2 or L20 and P");
+    return refuse(b.g_column[0], "E-G10", "G10 without L and P", "what it sets is not known",
+                  "give L2 or L20 and P");
   if (!use('L') || !use('P') || !whole_word('L', l, "E-G10") || !whole_word('P', p, "E-G10")) return false;
   if ((l != 2 && l != 20) || p > 9)
-    return refuse_at(l != 2 && l != 20 ? 'L' : 'P', "E-G10", fmt::format("G10 L{} P{} is not understood", l, p),
+    return refuse_at(l != 2 && l != 20 ? 'L' : 'P', "E-G10",
+                     fmt::format("G10 L{} P{} is not understood", l, p),
                      "only work offsets are followed: L2 and L20 with P0 to P9",
                      "set tools in the tool table, not in the program");
   if (l == 2 && incremental_)
-    return refuse_at('L', "E-G10", "G10 L2 in G91", "controls disagree whether it adds to the offset", "use G90");
+    return refuse_at('L', "E-G10", "G10 L2 in G91", "controls disagree whether it adds to the offset",
+                     "use G90");
   if (l == 20 && b.has('R'))
     return refuse_at('R', "E-G10", "R with G10 L20", "only L2 sets a rotation", "use G10 L2");
   for (const char letter : {'X', 'Y', 'Z', 'R'})
@@ -368,7 +380,8 @@ bool Control::set_system() {
       return refuse(b.g_column[0], "E-WCS", "G10 L20 on a rotated system whose origin is not known",
                     "the new origin depends on the old one", "give the work offset");
     // The reading p of system n, with the given axes replaced by v:  origin = m - tlo - Rz (p + g92)
-    Vec3 reading = rotated_about_z(m_.at - system.origin - frames_.tool_offset, -system.rotation) - frames_.g92;
+    Vec3 reading =
+        rotated_about_z(m_.at - system.origin - frames_.tool_offset, -system.rotation) - frames_.g92;
     for (int i = 0; i < 3; ++i)
       if ((named >> i & 1) != 0) reading[i] = length_word(static_cast<char>('X' + i));
     const Vec3 origin = m_.at - frames_.tool_offset - rotated_about_z(reading + frames_.g92, system.rotation);

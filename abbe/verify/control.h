@@ -48,13 +48,13 @@ class Control {
   bool frame_known();
 
   bool choose_motion();
-  bool settings();      // feed mode .. M62..M68, dwell
+  bool settings();  // feed mode .. M62..M68, dwell
   bool feed_words();
   bool m_codes();
   bool tool_codes(int code);
-  bool modes();         // plane .. G98/G99
+  bool modes();  // plane .. G98/G99
   bool tool_offset(int code);
-  bool non_modal();     // G10 G28 G30 G52 G92
+  bool non_modal();  // G10 G28 G30 G52 G92
   bool set_system();
   bool set_g92(int code);
   void go_home(int code);
@@ -73,15 +73,15 @@ class Control {
   const Block* block_ = nullptr;
   Fault* fault_ = nullptr;
   Letters used_ = 0;
-  int motion_code_ = -1;    ///< of this block, -1 = no motion
-  bool covets_ = false;     ///< axis words belong to G10 G28 G30 G52 G92 G43.1
+  int motion_code_ = -1;  ///< of this block, -1 = no motion
+  bool covets_ = false;   ///< axis words belong to G10 G28 G30 G52 G92 G43.1
 
   // What the control remembers.
   Frames frames_;
   std::map<int, ToolEntry> tools_;
   std::optional<int> tool_, selected_;
-  Position u_, m_;          ///< program position + g92, and axis commands
-  double unit_ = 1;         ///< mm per program unit
+  Position u_, m_;   ///< program position + g92, and axis commands
+  double unit_ = 1;  ///< mm per program unit
   int plane_ = 170, feed_mode_ = 940, mode_ = 800;
   double feed_ = 0;
   bool incremental_ = false, absolute_centres_ = false, retracts_to_r_ = false;

@@ -85,8 +85,8 @@ bool Control::move() {
     if (motion_code_ > 30)
       return refuse(1, "E-CYCLE", "canned cycle in G93", "its time is not defined", "use G94 for cycles");
     if (!block_->has('F') || !(feed_ > 0))
-      return refuse(1, "E-FEED", "G93 needs an F word above 0 in every feed block", "it states the time of that block",
-                    "add F");
+      return refuse(1, "E-FEED", "G93 needs an F word above 0 in every feed block",
+                    "it states the time of that block", "add F");
   }
   const bool machine_words = block_->g_code(0) == 530;
   if (!machine_words && !frame_known()) return false;
@@ -95,7 +95,8 @@ bool Control::move() {
   if (feeds && (motion_.start.known != kAllAxes || motion_.end.known != kAllAxes)) {
     const Axes missing = kAllAxes & ~(motion_.start.known & motion_.end.known);
     const int axis = (missing & 1) != 0 ? 0 : (missing & 2) != 0 ? 1 : 2;
-    return refuse(1, "E-POS", fmt::format("feed motion while the position of {} is not known", axis_letter(axis)),
+    return refuse(1, "E-POS",
+                  fmt::format("feed motion while the position of {} is not known", axis_letter(axis)),
                   "the path cannot be compared without it",
                   "command the axis with a rapid first, or give the start position");
   }
@@ -136,9 +137,11 @@ bool Control::arc() {
     return refuse(1, "E-ARC", "arc of radius zero", "it has no direction", "correct the centre");
   const double mismatch = std::abs(end_radius - start_radius);
   const double limit = inch() ? kSpiralInch * unit_ : kSpiralMm;
-  if (mismatch > 100 * limit || (mismatch > limit && mismatch > kSpiralRelative * std::max(start_radius, end_radius)))
+  if (mismatch > 100 * limit ||
+      (mismatch > limit && mismatch > kSpiralRelative * std::max(start_radius, end_radius)))
     return refuse(1, "E-ARC",
-                  fmt::format("the radius is {:.4f} mm at the start and {:.4f} mm at the end", start_radius, end_radius),
+                  fmt::format("the radius is {:.4f} mm at the start and {:.4f} mm at the end", start_radius,
+                              end_radius),
                   "the control stops at such an arc", "correct the centre or the end point");
 
   Arc& arc = motion_.arc;
@@ -147,8 +150,8 @@ bool Control::arc() {
   if (block_->has('P')) {
     if (!use('P') || !whole_word('P', arc.turns, "E-ARC")) return false;
     if (arc.turns < 1 || arc.turns > kMaxTurns)
-      return refuse_at('P', "E-ARC", fmt::format("P{} turns", arc.turns), fmt::format("P counts turns: 1 to {}", kMaxTurns),
-                       "correct the P word");
+      return refuse_at('P', "E-ARC", fmt::format("P{} turns", arc.turns),
+                       fmt::format("P counts turns: 1 to {}", kMaxTurns), "correct the P word");
   }
   arc.start_angle = std::atan2(from.at[b] - centre[b], from.at[a] - centre[a]);
   const double end_angle = std::atan2(to.at[b] - centre[b], to.at[a] - centre[a]);
@@ -180,10 +183,12 @@ bool Control::arc_centre(const Vec3& start, const Vec3& end, int a, int b, Vec3&
   const bool by_radius = block_->has('R');
   const bool has_a = block_->has(centre_letter(a)), has_b = block_->has(centre_letter(b));
   if (block_->has(centre_letter(c)))
-    return refuse_at(centre_letter(c), "E-ARC", fmt::format("{} is no centre word of this plane", centre_letter(c)),
+    return refuse_at(centre_letter(c), "E-ARC",
+                     fmt::format("{} is no centre word of this plane", centre_letter(c)),
                      "the control stops here", "select the plane or correct the word");
   if (by_radius == (has_a || has_b))
-    return refuse(1, "E-ARC", by_radius ? "centre words and R in one arc" : "arc without centre words and without R",
+    return refuse(1, "E-ARC",
+                  by_radius ? "centre words and R in one arc" : "arc without centre words and without R",
                   "its centre is not defined", "give either the centre or R");
   if (!by_radius) {
     if (absolute_centres_ && !(has_a && has_b))
@@ -193,7 +198,8 @@ bool Control::arc_centre(const Vec3& start, const Vec3& end, int a, int b, Vec3&
       const char letter = centre_letter(axis);
       if (!block_->has(letter)) continue;
       if (!use(letter)) return false;
-      centre[axis] = absolute_centres_ ? length_word(letter) + frames_.g92[axis] : start[axis] + length_word(letter);
+      centre[axis] =
+          absolute_centres_ ? length_word(letter) + frames_.g92[axis] : start[axis] + length_word(letter);
     }
     return true;
   }
@@ -202,9 +208,11 @@ bool Control::arc_centre(const Vec3& start, const Vec3& end, int a, int b, Vec3&
   const double da = end[a] - start[a], db = end[b] - start[b];
   const double chord = std::hypot(da, db);
   if (chord < 1e-7)
-    return refuse_at('R', "E-ARC", "R form with the end on the start", "any centre would fit", "give the centre");
+    return refuse_at('R', "E-ARC", "R form with the end on the start", "any centre would fit",
+                     "give the centre");
   if (!(std::abs(r) > 0) || chord / 2 - std::abs(r) > kRadiusMm)
-    return refuse_at('R', "E-ARC", "R is too small to reach the end point", "no such arc exists", "correct R");
+    return refuse_at('R', "E-ARC", "R is too small to reach the end point", "no such arc exists",
+                     "correct R");
   // h^2 = R^2 - (chord/2)^2; the minor arc (R > 0) counter-clockwise has its centre left of the chord
   const double h = std::sqrt(std::max(0.0, r * r - chord * chord / 4));
   const double side = (motion_code_ == 30) == (r > 0) ? 1 : -1;
@@ -233,7 +241,8 @@ bool Control::cycle_words(int axis) {
   if ((dwells || code == 740 || code == 840) && !take('P', cycle_p_, 1, dwells)) return false;
   if (pecks && !take('Q', cycle_q_, unit_, true)) return false;
   if (pecks && !(*cycle_q_ > 0))
-    return refuse_at('Q', "E-CYCLE", "peck depth Q must be above 0", "the hole would never be finished", "correct Q");
+    return refuse_at('Q', "E-CYCLE", "peck depth Q must be above 0", "the hole would never be finished",
+                     "correct Q");
   motion_.cycle.dwell = dwells || ((code == 740 || code == 840) && block_->has('P')) ? *cycle_p_ : 0;
   motion_.cycle.peck = pecks ? *cycle_q_ : 0;
   return true;

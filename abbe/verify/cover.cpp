@@ -13,17 +13,17 @@ namespace {
 /// Sampling. Lines up to kShort are looked at in their end only: the errors of a machine bend by far less
 /// than a micrometre over half a millimetre. Longer pieces are cut into intervals of kInterval; an inner
 /// point at kInner of each says whether the error bends there, and then the interval is halved on.
-constexpr double kShort = 0.5;               // mm
-constexpr double kInterval = 3.3;            // mm
+constexpr double kShort = 0.5;     // mm
+constexpr double kInterval = 3.3;  // mm
 constexpr double kInner = 0.4;
-constexpr double kBend = 0.1;                // of the tolerance
+constexpr double kBend = 0.1;  // of the tolerance
 constexpr int kMaxDepth = 6;
 constexpr double kArcIntervalsPerTurn = 10;  // with the inner points: 20 samples per turn
-constexpr double kMaxIntervals = 2e4;           // 66 m of path, 2000 turns
+constexpr double kMaxIntervals = 2e4;        // 66 m of path, 2000 turns
 
 /// Lengths below this are no motion: rounding of double arithmetic.
-constexpr double kNoMotion = 1e-6;    // mm
-constexpr double kSameCommand = 1e-7; // mm
+constexpr double kNoMotion = 1e-6;     // mm
+constexpr double kSameCommand = 1e-7;  // mm
 /// Arcs with a radius below this many allowances are followed by their parameter: an angle means nothing.
 constexpr double kSmallArc = 20;
 
@@ -41,13 +41,13 @@ struct Comparison::Cover {
 
   const Motion& motion;
   NominalPath path;
-  double length;               ///< of the original, mm
-  double allowed = 0;          ///< distance from the path
-  bool by_parameter = false;   ///< small arcs
+  double length;              ///< of the original, mm
+  double allowed = 0;         ///< distance from the path
+  bool by_parameter = false;  ///< small arcs
   int pieces = 0;
-  double last_s = 0;           ///< of the last sample
-  double furthest = 0;         ///< largest s so far
-  Vec3 tip = Vec3::Zero();     ///< of the last sample
+  double last_s = 0;        ///< of the last sample
+  double furthest = 0;      ///< largest s so far
+  Vec3 tip = Vec3::Zero();  ///< of the last sample
 
   // A start that was not corrected (G53, a changed frame or tool): its deviation may fade out linearly.
   double excess = 0, excess_from = 0;
@@ -58,9 +58,9 @@ struct Comparison::Cover {
   bool outside = false;
   int beyond_travel = -1;
   Vec3 beyond_at = Vec3::Zero();
-  double time = 0;                                   ///< G93: sum of the pieces' shares, 1 in the end
-  double travelled_before = 0;                       ///< path before this motion, mm
-  Axes moving = 0;                                   ///< axes that the original moves
+  double time = 0;              ///< G93: sum of the pieces' shares, 1 in the end
+  double travelled_before = 0;  ///< path before this motion, mm
+  Axes moving = 0;              ///< axes that the original moves
 
   [[nodiscard]] double allowed_at(double s) const {
     if (excess <= 0) return allowed;
@@ -92,8 +92,9 @@ void Comparison::cover(const Motion& original) {
     if (!goes_on) {
       if (item == Item::refused) return refused(output_);
       if (cover.pieces > 0 && item != Item::refused)
-        return disagree_and_stop("V-END", fmt::format("the output stops {:.3f} um before the end of this motion",
-                                                      cover.shortfall / um));
+        return disagree_and_stop(
+            "V-END",
+            fmt::format("the output stops {:.3f} um before the end of this motion", cover.shortfall / um));
       if (item == Item::motion) {
         const bool hole = output_.motion().kind == MotionKind::cycle;
         return disagree(hole ? "V-CYCLE" : "V-CLASS", "the original feeds here, the output does not");
@@ -137,12 +138,14 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   if (piece_length > kShort || piece.kind == MotionKind::arc || original.kind == MotionKind::arc) {
     intervals = std::ceil(piece_length / kInterval);
     if (piece.kind == MotionKind::arc)
-      intervals = std::max(intervals, std::ceil(std::abs(piece.arc.sweep) * kArcIntervalsPerTurn / (2 * std::numbers::pi)));
+      intervals = std::max(
+          intervals, std::ceil(std::abs(piece.arc.sweep) * kArcIntervalsPerTurn / (2 * std::numbers::pi)));
     else if (original.kind == MotionKind::arc)
       intervals = std::max(intervals, 4.0);
   }
   const int n = static_cast<int>(std::clamp(intervals, 1.0, kMaxIntervals));
-  const bool looks_inside = piece_length > kShort || piece.kind == MotionKind::arc || original.kind == MotionKind::arc;
+  const bool looks_inside =
+      piece_length > kShort || piece.kind == MotionKind::arc || original.kind == MotionKind::arc;
   Vec3 error = cover.tip - model_.nominal(piece.start.at);
   for (int k = 1; k <= n; ++k) {
     const double from = static_cast<double>(k - 1) / n, to = static_cast<double>(k) / n;
@@ -170,8 +173,8 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
     const double time_share = original.feed / piece.feed;
     cover.time += time_share;
     if (!(complete && cover.pieces == 1) && !(std::abs(time_share - path_share) <= kShareTolerance))
-      disagree("V-FEED", fmt::format("F{:g} gives this piece {:.2f} % of the time for {:.2f} % of the path", piece.feed,
-                                     100 * time_share, 100 * path_share));
+      disagree("V-FEED", fmt::format("F{:g} gives this piece {:.2f} % of the time for {:.2f} % of the path",
+                                     piece.feed, 100 * time_share, 100 * path_share));
   }
   if (!complete && !(cover.worst < job_.max_correction && cover.worst_back < job_.max_correction)) {
     // This piece does not belong to the original: what comes after it cannot be matched either.
@@ -182,8 +185,9 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   const Vec3 meant = complete ? original.end.at : point_at(original, std::clamp(cover.last_s, 0.0, 1.0));
   const double moved = (piece.end.at - meant).norm();
   if (!(moved <= job_.max_correction + quantum()))
-    disagree("V-LIMIT", fmt::format("the commanded point is {:.1f} um from the original's, {:.1f} um are allowed",
-                                    moved / um, job_.max_correction / um));
+    disagree("V-LIMIT",
+             fmt::format("the commanded point is {:.1f} um from the original's, {:.1f} um are allowed",
+                         moved / um, job_.max_correction / um));
   if (!complete) return false;
 
   const Vec3 deviation = cover.tip - cover.path.point(1);
@@ -214,7 +218,8 @@ void Comparison::follow_along(const Cover& cover, const Motion& motion, double t
 /// A short motion at a reversal that only takes up the lost motion: the path does not advance, and with the
 /// new direction of approach the tip is where it belongs.
 bool Comparison::take_up(Cover& cover, const Motion& piece) {
-  if (cover.by_parameter || cover.length <= cover.allowed || length_of(piece) > job_.max_correction) return false;
+  if (cover.by_parameter || cover.length <= cover.allowed || length_of(piece) > job_.max_correction)
+    return false;
   const double s = std::clamp(cover.pieces == 1 ? 0.0 : cover.furthest, 0.0, 1.0);
   const Vec3 tip = model_.actual(piece.end.at, approach_, &cover.outside);
   const Vec3 deviation = tip - cover.path.point(s);
@@ -228,8 +233,8 @@ bool Comparison::take_up(Cover& cover, const Motion& piece) {
 }
 
 /// Samples the inside of an interval, in the order of cutting; more densely where the error bends.
-void Comparison::sample_interval(Cover& cover, const Motion& piece, double from, const Vec3& error_from, double to,
-                                 const Vec3& error_to, const Vec3& tip_to, int depth) {
+void Comparison::sample_interval(Cover& cover, const Motion& piece, double from, const Vec3& error_from,
+                                 double to, const Vec3& error_to, const Vec3& tip_to, int depth) {
   const double middle = from + kInner * (to - from);
   const Vec3 command = point_at(piece, middle);
   if (job_.reversal) follow_along(cover, piece, middle - kSlightly);
@@ -284,22 +289,26 @@ void Comparison::account(Cover& cover, const Motion& piece, double t, const Vec3
 void Comparison::conclude(Cover& cover) {
   travelled_ = cover.travelled_before + cover.length;
   if (cover.motion.feed_mode == 930 && disagreements_ == 0 && !(std::abs(cover.time - 1) <= kTimeTolerance))
-    disagree("V-FEED", fmt::format("the F words give {:.3f} % of the time of the original", 100 * cover.time));
+    disagree("V-FEED",
+             fmt::format("the F words give {:.3f} % of the time of the original", 100 * cover.time));
   const bool lost = stop_ && cover.pieces > 1 && cover.last_shortfall < job_.max_correction;
   if (lost)
-    disagree("V-END", fmt::format("the output ends {:.3f} um before the end of this motion and goes elsewhere",
-                                  cover.last_shortfall / um));
+    disagree("V-END",
+             fmt::format("the output ends {:.3f} um before the end of this motion and goes elsewhere",
+                         cover.last_shortfall / um));
   else if (cover.worst > 0)
-    disagree("V-PATH", fmt::format("the path is {:.3f} um off at {:.1f} % of the motion, {:.3f} um are allowed",
-                                   cover.worst / um, 100 * cover.worst_s, cover.worst_allowed / um));
+    disagree("V-PATH",
+             fmt::format("the path is {:.3f} um off at {:.1f} % of the motion, {:.3f} um are allowed",
+                         cover.worst / um, 100 * cover.worst_s, cover.worst_allowed / um));
   else if (cover.worst_back > 0)
     disagree(cover.furthest > 1 ? "V-END" : "V-PATH",
              fmt::format("the output goes {:.3f} um {} on this motion", cover.worst_back / um,
                          cover.furthest > 1 ? "beyond its end" : "backwards"));
   if (cover.outside) disagree("V-VOL", "this motion leaves the volume in which the errors are known");
   if (cover.beyond_travel >= 0)
-    disagree("V-TRAVEL", fmt::format("{} leaves its travel: {:.4f} mm", static_cast<char>('X' + cover.beyond_travel),
-                                     cover.beyond_at[cover.beyond_travel]));
+    disagree("V-TRAVEL",
+             fmt::format("{} leaves its travel: {:.4f} mm", static_cast<char>('X' + cover.beyond_travel),
+                         cover.beyond_at[cover.beyond_travel]));
   measure_lost_motion(cover.motion.end.at);
 }
 

@@ -21,7 +21,8 @@ Frames frames_of(const ControlSetup& setup) {
   for (std::size_t i = 0; i < frames.systems.size(); ++i) {
     const auto& given = setup.work_offsets[i];
     if (!given) continue;
-    frames.systems[i] = {Vec3(given->origin[0], given->origin[1], given->origin[2]), given->rotation, kAllAxes};
+    frames.systems[i] = {Vec3(given->origin[0], given->origin[1], given->origin[2]), given->rotation,
+                         kAllAxes};
   }
   return frames;
 }

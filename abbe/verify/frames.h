@@ -22,7 +22,7 @@ struct Frames {
     double rotation = 0;  ///< rad, about Z
     Axes defined = 0;     ///< axes whose origin is known
   };
-  std::array<System, 9> systems;      ///< G54 .. G59.3
+  std::array<System, 9> systems;  ///< G54 .. G59.3
   int active = 0;
   Vec3 g92 = Vec3::Zero();
   Vec3 tool_offset = Vec3::Zero();

@@ -55,7 +55,8 @@ class Lister {
       if ((travel - retract).norm() > 0) rapid(retract);
       if (cycle.peck > 0) list_pecks(motion, retract, bottom);
       feed(bottom);
-      const bool feeds_out = motion.code == 740 || motion.code == 840 || motion.code == 850 || motion.code == 890;
+      const bool feeds_out =
+          motion.code == 740 || motion.code == 840 || motion.code == 850 || motion.code == 890;
       feeds_out ? feed(clear) : rapid(clear);
     }
   }
@@ -96,7 +97,11 @@ Diagnostics list_motions(const std::string& path, const std::string& name, const
   options.skip_deletable = setup.block_delete == ControlSetup::BlockDelete::on;
   auto opened = ProgramReader::open(path, name, setup, options);
   if (const auto* error = std::get_if<FileError>(&opened))
-    return {{Severity::error, "E-FILE", {name, 0, 0, 0, {}}, error->message, "the program could not be read",
+    return {{Severity::error,
+             "E-FILE",
+             {name, 0, 0, 0, {}},
+             error->message,
+             "the program could not be read",
              "check the path"}};
   auto& reader = std::get<ProgramReader>(opened);
   Lister lister(found);

@@ -30,29 +30,29 @@ struct Arc {
 /// A canned cycle: the holes of one block, in axis commands (mm). Hole k is `step * k` from the first.
 struct Cycle {
   int plane = 17;
-  int holes = 1;                      ///< L word
-  bool retracts_to_r = false;         ///< G99
-  Vec3 lifted = Vec3::Zero();         ///< the start point, raised to R if it was below
-  Vec3 travel = Vec3::Zero();         ///< first hole at the height of `lifted`
-  Vec3 retract = Vec3::Zero();        ///< first hole at the R level
-  Vec3 bottom = Vec3::Zero();         ///< first hole at its bottom
-  Vec3 clear = Vec3::Zero();          ///< first hole at the level where the cycle ends
+  int holes = 1;                ///< L word
+  bool retracts_to_r = false;   ///< G99
+  Vec3 lifted = Vec3::Zero();   ///< the start point, raised to R if it was below
+  Vec3 travel = Vec3::Zero();   ///< first hole at the height of `lifted`
+  Vec3 retract = Vec3::Zero();  ///< first hole at the R level
+  Vec3 bottom = Vec3::Zero();   ///< first hole at its bottom
+  Vec3 clear = Vec3::Zero();    ///< first hole at the level where the cycle ends
   Vec3 step = Vec3::Zero();
-  double dwell = 0;                   ///< P, s
-  double peck = 0;                    ///< Q, mm
+  double dwell = 0;  ///< P, s
+  double peck = 0;   ///< Q, mm
 };
 
 /// One motion as the control executes it. Positions are axis commands of the controlled point, mm.
 struct Motion {
   MotionKind kind = MotionKind::rapid;
-  int code = 0;                       ///< 10 times the G code: 0 10 20 30, 280 300, cycles 730 .. 890
-  bool machine_words = false;         ///< G53: the words are axis commands
-  bool incremental = false;           ///< G91
-  Axes named = 0;                     ///< axes with a word in the block
-  Vec3 words = Vec3::Zero();          ///< their values, mm, as written
-  Position start, end;                ///< home: end is the intermediate point
-  int feed_mode = 940;                ///< 930, 940, 950
-  double feed = 0;                    ///< F in force, program units (G93: 1/min)
+  int code = 0;                ///< 10 times the G code: 0 10 20 30, 280 300, cycles 730 .. 890
+  bool machine_words = false;  ///< G53: the words are axis commands
+  bool incremental = false;    ///< G91
+  Axes named = 0;              ///< axes with a word in the block
+  Vec3 words = Vec3::Zero();   ///< their values, mm, as written
+  Position start, end;         ///< home: end is the intermediate point
+  int feed_mode = 940;         ///< 930, 940, 950
+  double feed = 0;             ///< F in force, program units (G93: 1/min)
   Arc arc;
   Cycle cycle;
 
@@ -65,23 +65,23 @@ enum class EventKind : std::uint8_t {
   program_number,  ///< O word
   block_number,    ///< N word
   comment,
-  feed,            ///< F, except on G93 motions, where it belongs to the motion
-  speed,           ///< S
-  tool,            ///< T
+  feed,   ///< F, except on G93 motions, where it belongs to the motion
+  speed,  ///< S
+  tool,   ///< T
   m_code,
-  g_code,          ///< every G code that is not a motion; frames and their values included
-  skipped_line,    ///< a block with '/' that is not executed
-  after_end,       ///< a line behind the end of the program
+  g_code,        ///< every G code that is not a motion; frames and their values included
+  skipped_line,  ///< a block with '/' that is not executed
+  after_end,     ///< a line behind the end of the program
 };
 
 struct Event {
   EventKind kind = EventKind::comment;
-  int code = 0;                        ///< G codes times 10, M codes as they are
-  bool sets_position = false;          ///< G92, G10 L20: the values may differ, the frames may not
+  int code = 0;                ///< G codes times 10, M codes as they are
+  bool sets_position = false;  ///< G92, G10 L20: the values may differ, the frames may not
   bool sets_frames = false;
-  Letters words = 0;                   ///< the words that belong to it
-  std::array<double, 8> values{};      ///< theirs, in the order of the alphabet
-  std::string_view text;               ///< comments and lines; valid until the next block is read
+  Letters words = 0;               ///< the words that belong to it
+  std::array<double, 8> values{};  ///< theirs, in the order of the alphabet
+  std::string_view text;           ///< comments and lines; valid until the next block is read
 };
 
 /// Point of a line or arc at s in [0, 1], axis commands, mm.

@@ -28,7 +28,8 @@ std::vector<Mutation> mutations() {
   const Pen out(true);
   const std::string lines = rapid_lines(out), circle = circle_in_pieces(out), split = split_line(out),
                     timed = split_line_inverse_time(out), turns = helix_turns(out), set = position_set(out),
-                    moves = machine_moves(out), drill = holes(out), steps = increments(out), quarters = quarter_arcs(out);
+                    moves = machine_moves(out), drill = holes(out), steps = increments(out),
+                    quarters = quarter_arcs(out);
   const auto line = [](const std::string& text, const std::string& start) { return line_of(text, start); };
   const std::string third_piece = out.at(-40, 15, 0) + "\n", piece = "G2" + out.at(0, -50, 0);
   std::vector<Mutation> all = {
@@ -54,7 +55,8 @@ std::vector<Mutation> mutations() {
       {"SwappedSign", rapid_lines, "X" + out.number(out.command(40, 60, 30).x()) + " Y59",
        "X-" + out.number(out.command(40, 60, 30).x()) + " Y59", "V-PATH"},
       {"LostWord", rapid_lines, " Y" + out.number(out.command(40, 60, 30).y()), "", "V-EXTRA"},
-      {"LostRapidWord", rapid_lines, " Z" + out.number(out.command(10, 20, 30).z()) + "\nM8", "\nM8", "V-END"},
+      {"LostRapidWord", rapid_lines, " Z" + out.number(out.command(10, 20, 30).z()) + "\nM8", "\nM8",
+       "V-END"},
       {"LostFeedLine", rapid_lines, "F300" + out.at(40, 60, 30), "F300", "V-ORDER"},
       {"LostRapidLine", rapid_lines, line(lines, "G0" + out.at(0, 0, 100)), "", "V-ORDER"},
       {"DoubledEvent", rapid_lines, "M9\n", "M9\nM9\n", "V-ORDER"},
@@ -63,7 +65,8 @@ std::vector<Mutation> mutations() {
        "Y" + out.number(out.command(40, 60, 30).y() + 0.0015), ""},
       {"LostLastPiece", split_line, out.at(100, 50, 0) + " M0\n", "M0\n", "V-END"},
       {"DoubledPiece", split_line, third_piece, third_piece + third_piece, "V-EXTRA"},
-      {"BackAndForth", split_line, third_piece, third_piece + out.at(-60, 10, 0) + "\n" + third_piece, "V-PATH"},
+      {"BackAndForth", split_line, third_piece, third_piece + out.at(-60, 10, 0) + "\n" + third_piece,
+       "V-PATH"},
       {"StopTooEarly", split_line, third_piece, " M0" + third_piece, "V-END"},
       {"DroppedBlockNumber", split_line, "N5 ", "", "V-EVENT"},
       {"FeedOfOnePieceInInverseTime", split_line_inverse_time, "F20", "F40", "V-FEED"},
@@ -96,7 +99,8 @@ class Mutated : public testing::TestWithParam<Mutation> {};
 TEST_P(Mutated, IsFound) {
   const Mutation& m = GetParam();
   std::string output = m.draw(Pen(true));
-  ASSERT_TRUE(verify(plan_of(kMachine), m.draw(Pen(false)), output, ideal_job()).agrees) << "the pair itself is good";
+  ASSERT_TRUE(verify(plan_of(kMachine), m.draw(Pen(false)), output, ideal_job()).agrees)
+      << "the pair itself is good";
   const std::size_t at = output.find(m.from);
   ASSERT_NE(at, std::string::npos) << m.from << " not in\n" << output;
   output.replace(at, m.from.size(), m.to);
@@ -107,7 +111,8 @@ TEST_P(Mutated, IsFound) {
   if (*m.code != '\0') {
     EXPECT_EQ(report.diagnostics.front().code, m.code) << texts(report);
   } else {
-    EXPECT_THAT(report.diagnostics.front().code, testing::AnyOf("V-PATH", "V-END", "V-CYCLE")) << texts(report);
+    EXPECT_THAT(report.diagnostics.front().code, testing::AnyOf("V-PATH", "V-END", "V-CYCLE"))
+        << texts(report);
   }
 }
 
@@ -123,7 +128,8 @@ TEST(Mutations, EveryCoordinateCounts) {
     const Plan plan = plan_of(kMachine);
     int changed = 0;
     for (std::size_t at = 0; at < output.size(); ++at) {
-      const bool coordinate = std::string_view("XYZIJKR").find(output[at]) != std::string_view::npos && at + 1 < output.size() &&
+      const bool coordinate = std::string_view("XYZIJKR").find(output[at]) != std::string_view::npos &&
+                              at + 1 < output.size() &&
                               std::string_view("-0123456789").find(output[at + 1]) != std::string_view::npos;
       if (!coordinate) continue;
       const Decimal number = read_decimal(std::string_view(output).substr(at + 1));
@@ -132,7 +138,8 @@ TEST(Mutations, EveryCoordinateCounts) {
       other += output.substr(at + 1 + number.length);
       ++changed;
       const VerifyReport report = verify(plan, original, other, ideal_job());
-      EXPECT_FALSE(report.agrees) << pair.name << ": " << output.substr(at, number.length + 1) << " changed passed";
+      EXPECT_FALSE(report.agrees) << pair.name << ": " << output.substr(at, number.length + 1)
+                                  << " changed passed";
     }
     EXPECT_GT(changed, 5) << pair.name;
   }
@@ -149,9 +156,11 @@ TEST(Mutations, EveryLineCounts) {
       const std::string text = output.substr(at, end - at);
       const bool blank = text.find_first_not_of("\r\n") == std::string::npos;
       if (!blank) {
-        const VerifyReport lost = verify(plan, original, output.substr(0, at) + output.substr(end), ideal_job());
+        const VerifyReport lost =
+            verify(plan, original, output.substr(0, at) + output.substr(end), ideal_job());
         EXPECT_FALSE(lost.agrees) << pair.name << " passed without " << text;
-        const VerifyReport doubled = verify(plan, original, output.substr(0, end) + text + output.substr(end), ideal_job());
+        const VerifyReport doubled =
+            verify(plan, original, output.substr(0, end) + text + output.substr(end), ideal_job());
         EXPECT_FALSE(doubled.agrees) << pair.name << " passed with twice " << text;
       }
       at = end;

@@ -45,7 +45,8 @@ NominalPath::Foot NominalPath::foot_at(const Vec3& tip, double s) const {
   foot.deviation = tip - point(s);
   const Vec3 tangent = model_.nominal_step(derivative_at(motion_, s));
   const double square = tangent.squaredNorm();
-  foot.across = square > 0 ? Vec3(foot.deviation - tangent * (tangent.dot(foot.deviation) / square)) : foot.deviation;
+  foot.across =
+      square > 0 ? Vec3(foot.deviation - tangent * (tangent.dot(foot.deviation) / square)) : foot.deviation;
   return foot;
 }
 

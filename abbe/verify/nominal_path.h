@@ -15,16 +15,16 @@ class NominalPath {
 
   /// The foot of a tip on the path.
   struct Foot {
-    double s = 0;                    ///< not limited to [0, 1]
-    Vec3 deviation = Vec3::Zero();   ///< tip - P(s)
-    Vec3 across = Vec3::Zero();      ///< its part perpendicular to the path
+    double s = 0;                   ///< not limited to [0, 1]
+    Vec3 deviation = Vec3::Zero();  ///< tip - P(s)
+    Vec3 across = Vec3::Zero();     ///< its part perpendicular to the path
   };
   [[nodiscard]] Foot foot(const Vec3& tip);
 
   /// The same at an s that is given, for arcs too small to measure angles on.
   [[nodiscard]] Foot foot_at(const Vec3& tip, double s) const;
 
-  [[nodiscard]] Vec3 point(double s) const;   ///< P(s)
+  [[nodiscard]] Vec3 point(double s) const;                ///< P(s)
   [[nodiscard]] double length() const { return length_; }  ///< of the axis commands, mm
 
  private:

@@ -44,7 +44,8 @@ struct ProgramReader::State {
         const auto events = control.before();
         while (event_index < events.size()) {
           current = &events[event_index++];
-          if (!at_top || current->kind != EventKind::comment || !is_header_comment(current->text)) return Item::event;
+          if (!at_top || current->kind != EventKind::comment || !is_header_comment(current->text))
+            return Item::event;
         }
         if (!motion_given) {
           motion_given = true;
@@ -101,17 +102,26 @@ struct ProgramReader::State {
   void read_words(std::size_t first) {
     Fault fault;
     if (lines.too_long()) {
-      fault = {"E-LINELEN", kMaxBlockLength + 1, 1, "the line is far too long", "LinuxCNC stops at longer lines",
+      fault = {"E-LINELEN",
+               kMaxBlockLength + 1,
+               1,
+               "the line is far too long",
+               "LinuxCNC stops at longer lines",
                "shorten the line"};
       return refuse(fault);
     }
     std::string_view words = text;
-    const bool numbered = first_block && (text[first] == 'O' || text[first] == 'o') && program_number(first, words);
+    const bool numbered =
+        first_block && (text[first] == 'O' || text[first] == 'o') && program_number(first, words);
     const bool readable = read_block(words, block, fault);
     const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0;
     if (numbered && says_something) {
-      fault = {"E-OWORD", first + 1, 1, "program number together with other words",
-               "only a program number alone at the start is known", "give it a line of its own"};
+      fault = {"E-OWORD",
+               first + 1,
+               1,
+               "program number together with other words",
+               "only a program number alone at the start is known",
+               "give it a line of its own"};
       return refuse(fault);
     }
     if (!readable) {
@@ -163,8 +173,12 @@ struct ProgramReader::State {
 
   void refuse_file(const FileError& error) {
     refused = true;
-    refusal = {Severity::error, "E-FILE", {name, 0, 0, 0, {}}, error.message,
-               "the program could not be read to its end", "check the file"};
+    refusal = {Severity::error,
+               "E-FILE",
+               {name, 0, 0, 0, {}},
+               error.message,
+               "the program could not be read to its end",
+               "check the file"};
   }
 
   LineReader lines;
@@ -172,21 +186,21 @@ struct ProgramReader::State {
   Options options;
   Control control;
   Block block;
-  std::string_view text;        ///< current line without its end of line
+  std::string_view text;  ///< current line without its end of line
 
-  Event single;                 ///< what the current line says besides its block
+  Event single;  ///< what the current line says besides its block
   bool has_single = false;
-  bool has_block = false;       ///< the block in `control` is being handed out
+  bool has_block = false;  ///< the block in `control` is being handed out
   std::size_t event_index = 0;
   bool motion_given = false;
   const Event* current = nullptr;
 
-  bool at_start = true;         ///< only NUL bytes so far
-  bool first_line = true;       ///< only blank lines so far
-  bool first_block = true;      ///< no block with words so far
-  bool at_top = true;           ///< header comments may still come
-  bool delimited = false;       ///< began with %
-  bool in_tail = false;         ///< behind the end of the program
+  bool at_start = true;     ///< only NUL bytes so far
+  bool first_line = true;   ///< only blank lines so far
+  bool first_block = true;  ///< no block with words so far
+  bool at_top = true;       ///< header comments may still come
+  bool delimited = false;   ///< began with %
+  bool in_tail = false;     ///< behind the end of the program
   bool at_end = false, refused = false;
   bool deletable = false, saw_deletable = false;
   Diagnostic refusal;
@@ -210,7 +224,9 @@ const Motion& ProgramReader::motion() const { return *state_->control.motion(); 
 const Diagnostic& ProgramReader::refusal() const { return state_->refusal; }
 std::uint64_t ProgramReader::line() const { return state_->lines.line_number(); }
 const std::string& ProgramReader::name() const { return state_->name; }
-std::string ProgramReader::source_line() const { return std::string(state_->text.substr(0, kMaxBlockLength)); }
+std::string ProgramReader::source_line() const {
+  return std::string(state_->text.substr(0, kMaxBlockLength));
+}
 bool ProgramReader::deletable() const { return state_->deletable; }
 bool ProgramReader::saw_deletable() const { return state_->saw_deletable; }
 const Frames& ProgramReader::frames() const { return state_->control.frames(); }

@@ -21,8 +21,8 @@ namespace abbe::verifying {
 class ProgramReader {
  public:
   struct Options {
-    bool skip_deletable = false;        ///< blocks with '/' are not executed
-    bool report_skipped = false;        ///< ... but come as events, with their text
+    bool skip_deletable = false;  ///< blocks with '/' are not executed
+    bool report_skipped = false;  ///< ... but come as events, with their text
   };
   [[nodiscard]] static FileResult<ProgramReader> open(const std::string& path, const std::string& name,
                                                       const ControlSetup& setup, const Options& options);
@@ -34,19 +34,19 @@ class ProgramReader {
   /// The next thing the program does. After `end` and `refused` it stays there.
   [[nodiscard]] Item next();
 
-  [[nodiscard]] const Event& event() const;        ///< after Item::event, until the next call
-  [[nodiscard]] const Motion& motion() const;      ///< after Item::motion, until the next call
-  [[nodiscard]] const Diagnostic& refusal() const; ///< after Item::refused
+  [[nodiscard]] const Event& event() const;         ///< after Item::event, until the next call
+  [[nodiscard]] const Motion& motion() const;       ///< after Item::motion, until the next call
+  [[nodiscard]] const Diagnostic& refusal() const;  ///< after Item::refused
 
-  [[nodiscard]] std::uint64_t line() const;        ///< of the current item, from 1
+  [[nodiscard]] std::uint64_t line() const;  ///< of the current item, from 1
   [[nodiscard]] const std::string& name() const;
-  [[nodiscard]] std::string source_line() const;   ///< text of that line, for excerpts
-  [[nodiscard]] bool deletable() const;            ///< the current block starts with '/'
-  [[nodiscard]] bool saw_deletable() const;        ///< some block so far did
-  [[nodiscard]] const Frames& frames() const;      ///< in force for the current item
-  [[nodiscard]] std::optional<int> tool() const;   ///< in the spindle
-  [[nodiscard]] bool inch() const;                 ///< units in force
-  [[nodiscard]] LineReader& file();                ///< for bytes, identity and checksum
+  [[nodiscard]] std::string source_line() const;  ///< text of that line, for excerpts
+  [[nodiscard]] bool deletable() const;           ///< the current block starts with '/'
+  [[nodiscard]] bool saw_deletable() const;       ///< some block so far did
+  [[nodiscard]] const Frames& frames() const;     ///< in force for the current item
+  [[nodiscard]] std::optional<int> tool() const;  ///< in the spindle
+  [[nodiscard]] bool inch() const;                ///< units in force
+  [[nodiscard]] LineReader& file();               ///< for bytes, identity and checksum
 
  private:
   struct State;
@@ -59,15 +59,16 @@ struct ListedMotion {
   enum class Kind : std::uint8_t { rapid, line, arc } kind = Kind::rapid;
   std::uint64_t line = 0;
   Vec3 end = Vec3::Zero();
-  Axes known = kAllAxes;        ///< axes of `end` that are known
-  Vec3 centre = Vec3::Zero();   ///< arcs
-  int plane = 17;               ///< arcs: 17 18 19
-  int turns = 0;                ///< arcs: as in ARC_FEED, +1 counter-clockwise, -2 two turns clockwise
+  Axes known = kAllAxes;       ///< axes of `end` that are known
+  Vec3 centre = Vec3::Zero();  ///< arcs
+  int plane = 17;              ///< arcs: 17 18 19
+  int turns = 0;               ///< arcs: as in ARC_FEED, +1 counter-clockwise, -2 two turns clockwise
 };
 
 /// All motions of a program, canned cycles taken apart as LinuxCNC does (rapid over the hole, rapid to R,
 /// feed, pecks with 0.254 mm clearance, retract). Stops at the first block that is not understood.
-[[nodiscard]] Diagnostics list_motions(const std::string& path, const std::string& name, const ControlSetup& setup,
+[[nodiscard]] Diagnostics list_motions(const std::string& path, const std::string& name,
+                                       const ControlSetup& setup,
                                        const std::function<void(const ListedMotion&)>& found);
 
 }  // namespace abbe::verifying

@@ -34,7 +34,8 @@ Listing list(const std::string& program, const ControlSetup& setup = setup_at_ze
 }
 
 void expect_end(const ListedMotion& motion, double x, double y, double z) {
-  EXPECT_LT((motion.end - Vec3(x, y, z)).norm(), kExact) << "line " << motion.line << " ended at " << motion.end.transpose();
+  EXPECT_LT((motion.end - Vec3(x, y, z)).norm(), kExact)
+      << "line " << motion.line << " ended at " << motion.end.transpose();
 }
 
 std::string first_code(const Listing& listing) {
@@ -59,7 +60,8 @@ TEST(Reader, FramesAddUp) {
   tool.number = 3;
   tool.offset = {0, 0, 50};
   setup.tools[3] = tool;
-  const Listing l = list("G55 G43 H3 G0 X10 Y0 Z0\nG92 X0 Y0\nG0 X1\nG91 X1\nG90 G53 G0 Z7\nG0 Z1\nG54 G49 G0 X2\n", setup);
+  const Listing l =
+      list("G55 G43 H3 G0 X10 Y0 Z0\nG92 X0 Y0\nG0 X1\nG91 X1\nG90 G53 G0 Z7\nG0 Z1\nG54 G49 G0 X2\n", setup);
   ASSERT_EQ(l.motions.size(), 6u) << first_code(l);
   const double c = std::cos(30 * deg), s = std::sin(30 * deg);
   // m = Rz(rot) (p + g92) + origin + tool offset; G92 X0 at u = 10 makes g92 = 10
@@ -73,7 +75,8 @@ TEST(Reader, FramesAddUp) {
 
 TEST(Reader, G52AndG10MoveTheFrameNotTheMachine) {
   const Listing l = list(
-      "G0 X10 Y20 Z30\nG52 X5\nG0 X0\nG10 L2 P1 X100 Y0 Z0\nG0 X0\nG10 L20 P1 X7\nG0 X0\nG92.1\nG0 X0 Y1\nG92.3\n");
+      "G0 X10 Y20 Z30\nG52 X5\nG0 X0\nG10 L2 P1 X100 Y0 Z0\nG0 X0\nG10 L20 P1 X7\nG0 X0\nG92.1\nG0 X0 "
+      "Y1\nG92.3\n");
   ASSERT_EQ(l.motions.size(), 5u);
   expect_end(l.motions[1], 5, 20, 30);
   expect_end(l.motions[2], 105, 20, 30);
@@ -133,20 +136,24 @@ TEST(Reader, ArcGoesThroughTheRightQuadrant) {
   for (const Motion& m : motions) {
     if (m.kind != MotionKind::arc) continue;
     const Vec3 difference = (point_at(m, 0.3 + 1e-6) - point_at(m, 0.3 - 1e-6)) / 2e-6;
-    EXPECT_LT((difference - derivative_at(m, 0.3)).norm(), 1e-6 * difference.norm()) << "DerivativeEqualsDifference";
+    EXPECT_LT((difference - derivative_at(m, 0.3)).norm(), 1e-6 * difference.norm())
+        << "DerivativeEqualsDifference";
   }
 }
 
 TEST(Reader, CyclesAsLinuxCncExpandsThem) {
-  const Listing l = list("G0 X1 Y1 Z20\nG98 G81 X5 Y6 Z-3 R2 F10\nX8\nG99 G83 Y9 Z-1 R1 Q1\nG80\nG91 G98 G82 X1 Y0 Z-1 R-0.5 P2 L2\n");
+  const Listing l = list(
+      "G0 X1 Y1 Z20\nG98 G81 X5 Y6 Z-3 R2 F10\nX8\nG99 G83 Y9 Z-1 R1 Q1\nG80\nG91 G98 G82 X1 Y0 Z-1 R-0.5 P2 "
+      "L2\n");
   ASSERT_TRUE(l.diagnostics.empty()) << to_text(l.diagnostics.front());
-  const std::vector<std::array<double, 4>> expected = {
-      {0, 1, 1, 20},                                                           // G0
-      {0, 5, 6, 20}, {0, 5, 6, 2}, {1, 5, 6, -3}, {0, 5, 6, 20},               // G81
-      {0, 8, 6, 20}, {0, 8, 6, 2}, {1, 8, 6, -3}, {0, 8, 6, 20},               // X8
-      {0, 8, 9, 20}, {0, 8, 9, 1}, {1, 8, 9, 0},  {0, 8, 9, 1}, {0, 8, 9, 0.254}, {1, 8, 9, -1}, {0, 8, 9, 1},
-      {0, 9, 9, 1},  {0, 9, 9, 0.5}, {1, 9, 9, -0.5}, {0, 9, 9, 1},            // G91 L2, R from Z, Z from R
-      {0, 10, 9, 1}, {0, 10, 9, 0.5}, {1, 10, 9, -0.5}, {0, 10, 9, 1}};
+  const std::vector<std::array<double, 4>>
+      expected = {{0, 1, 1, 20},                                                       // G0
+                  {0, 5, 6, 20},    {0, 5, 6, 2},    {1, 5, 6, -3},    {0, 5, 6, 20},  // G81
+                  {0, 8, 6, 20},    {0, 8, 6, 2},    {1, 8, 6, -3},    {0, 8, 6, 20},  // X8
+                  {0, 8, 9, 20},    {0, 8, 9, 1},    {1, 8, 9, 0},     {0, 8, 9, 1},
+                  {0, 8, 9, 0.254}, {1, 8, 9, -1},   {0, 8, 9, 1},     {0, 9, 9, 1},
+                  {0, 9, 9, 0.5},   {1, 9, 9, -0.5}, {0, 9, 9, 1},  // G91 L2, R from Z, Z from R
+                  {0, 10, 9, 1},    {0, 10, 9, 0.5}, {1, 10, 9, -0.5}, {0, 10, 9, 1}};
   ASSERT_EQ(l.motions.size(), expected.size());
   for (std::size_t i = 0; i < expected.size(); ++i) {
     EXPECT_EQ(l.motions[i].kind == Kind::line, expected[i][0] == 1) << i;
@@ -191,27 +198,31 @@ TEST_P(Refuses, WithCodeAndPlace) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, Refuses,
-    testing::Values(
-        Refusal{"G0 X1\nG1 X\x80 F1\n", "E-NUMBER", 2, 4}, Refusal{"G0 X1 \x80\n", "E-CHAR", 1, 7},
-        Refusal{"G0 X1 (a\n", "E-COMMENT", 1, 7}, Refusal{"G0 (a(b) X1\n", "E-COMMENT", 1, 6},
-        Refusal{"G0 X#1\n", "E-EXPR", 1, 5}, Refusal{"#1=2\n", "E-EXPR", 1, 1}, Refusal{"G0 X[1]\n", "E-EXPR", 1, 5},
-        Refusal{"G1 A10 F1\n", "E-ROTARY", 1, 4}, Refusal{"G1 U10 F1\n", "E-AXIS", 1, 4},
-        Refusal{"G1 X1 E1\n", "E-WORD", 1, 7}, Refusal{"G0 X1E2\n", "E-WORD", 1, 6},
-        Refusal{"G41 D1\n", "E-CUTCOM", 1, 1}, Refusal{"G5 X1\n", "E-GCODE", 1, 1}, Refusal{"M98 P1\n", "E-MCODE", 1, 1},
-        Refusal{"O1 sub\n", "E-NUMBER", 1, 4}, Refusal{"O1 G0\n", "E-OWORD", 1, 1}, Refusal{"G0\nO2\n", "E-OWORD", 2, 1}, Refusal{"G0 X1 X2\n", "E-BLOCK", 1, 7},
-        Refusal{"G0 G1 X1\n", "E-BLOCK", 1, 4}, Refusal{"M3 M4\n", "E-BLOCK", 1, 4}, Refusal{"X1\n", "E-MODE", 1, 1},
-        Refusal{"G0 X1 I2\n", "E-WORD", 1, 7}, Refusal{"G0 X1 H2\n", "E-WORD", 1, 7}, Refusal{"G55 G0 X1\n", "E-WCS", 1, 1},
-        Refusal{"G91 G10 L2 P1 X1\n", "E-G10", 1, 9}, Refusal{"G10 L1 P1 Z1\n", "E-G10", 1, 5},
-        Refusal{"G28 X0\nG1 X5 F1\n", "E-POS", 2, 1}, Refusal{"G28 X0\nG92 X5\n", "E-POS", 2, 1},
-        Refusal{"G43 H7\n", "E-TOOL", 1, 1}, Refusal{"M6\n", "E-TOOL", 1, 1}, Refusal{"G91 G53 G0 X1\n", "E-G53", 1, 5},
-        Refusal{"G53 G2 X1 I1\n", "E-G53", 1, 1}, Refusal{"G1 F1\nG2 X1 Y1\n", "E-ARC", 2, 1},
-        Refusal{"G2 X0 Y0 R5 F1\n", "E-ARC", 1, 10}, Refusal{"G2 X10 Y0 I4 F1\n", "E-ARC", 1, 1},
-        Refusal{"G2 X10 R4.9 F1\n", "E-ARC", 1, 8}, Refusal{"G81 X1 Z-1\n", "E-CYCLE", 1, 1},
-        Refusal{"G81 Z1 R0\n", "E-CYCLE", 1, 1}, Refusal{"G83 Z-1 R0 Q0\n", "E-CYCLE", 1, 12},
-        Refusal{"G93 G1 X1\n", "E-FEED", 1, 1}, Refusal{"G4 P1 X1\n", "E-BLOCK", 1, 1},
-        Refusal{"G92 X1 G1\n", "E-BLOCK", 1, 1}, Refusal{"G4 P1 M62 P1\n", "E-BLOCK", 1, 11},
-        Refusal{"X1 . 5 . 2\n", "E-NUMBER", 1, 8}, Refusal{"N1 G0 X99999999999\n", "E-NUMBER", 1, 7},
-        Refusal{"G0 X1 N5\n", "E-BLOCK", 1, 7}, Refusal{"G0 /X1\n", "E-CHAR", 1, 4}, Refusal{"G0 X1\r\rY2\n", "E-CHAR", 1, 6}));
+    testing::Values(Refusal{"G0 X1\nG1 X\x80 F1\n", "E-NUMBER", 2, 4},
+                    Refusal{"G0 X1 \x80\n", "E-CHAR", 1, 7}, Refusal{"G0 X1 (a\n", "E-COMMENT", 1, 7},
+                    Refusal{"G0 (a(b) X1\n", "E-COMMENT", 1, 6}, Refusal{"G0 X#1\n", "E-EXPR", 1, 5},
+                    Refusal{"#1=2\n", "E-EXPR", 1, 1}, Refusal{"G0 X[1]\n", "E-EXPR", 1, 5},
+                    Refusal{"G1 A10 F1\n", "E-ROTARY", 1, 4}, Refusal{"G1 U10 F1\n", "E-AXIS", 1, 4},
+                    Refusal{"G1 X1 E1\n", "E-WORD", 1, 7}, Refusal{"G0 X1E2\n", "E-WORD", 1, 6},
+                    Refusal{"G41 D1\n", "E-CUTCOM", 1, 1}, Refusal{"G5 X1\n", "E-GCODE", 1, 1},
+                    Refusal{"M98 P1\n", "E-MCODE", 1, 1}, Refusal{"O1 sub\n", "E-NUMBER", 1, 4},
+                    Refusal{"O1 G0\n", "E-OWORD", 1, 1}, Refusal{"G0\nO2\n", "E-OWORD", 2, 1},
+                    Refusal{"G0 X1 X2\n", "E-BLOCK", 1, 7}, Refusal{"G0 G1 X1\n", "E-BLOCK", 1, 4},
+                    Refusal{"M3 M4\n", "E-BLOCK", 1, 4}, Refusal{"X1\n", "E-MODE", 1, 1},
+                    Refusal{"G0 X1 I2\n", "E-WORD", 1, 7}, Refusal{"G0 X1 H2\n", "E-WORD", 1, 7},
+                    Refusal{"G55 G0 X1\n", "E-WCS", 1, 1}, Refusal{"G91 G10 L2 P1 X1\n", "E-G10", 1, 9},
+                    Refusal{"G10 L1 P1 Z1\n", "E-G10", 1, 5}, Refusal{"G28 X0\nG1 X5 F1\n", "E-POS", 2, 1},
+                    Refusal{"G28 X0\nG92 X5\n", "E-POS", 2, 1}, Refusal{"G43 H7\n", "E-TOOL", 1, 1},
+                    Refusal{"M6\n", "E-TOOL", 1, 1}, Refusal{"G91 G53 G0 X1\n", "E-G53", 1, 5},
+                    Refusal{"G53 G2 X1 I1\n", "E-G53", 1, 1}, Refusal{"G1 F1\nG2 X1 Y1\n", "E-ARC", 2, 1},
+                    Refusal{"G2 X0 Y0 R5 F1\n", "E-ARC", 1, 10}, Refusal{"G2 X10 Y0 I4 F1\n", "E-ARC", 1, 1},
+                    Refusal{"G2 X10 R4.9 F1\n", "E-ARC", 1, 8}, Refusal{"G81 X1 Z-1\n", "E-CYCLE", 1, 1},
+                    Refusal{"G81 Z1 R0\n", "E-CYCLE", 1, 1}, Refusal{"G83 Z-1 R0 Q0\n", "E-CYCLE", 1, 12},
+                    Refusal{"G93 G1 X1\n", "E-FEED", 1, 1}, Refusal{"G4 P1 X1\n", "E-BLOCK", 1, 1},
+                    Refusal{"G92 X1 G1\n", "E-BLOCK", 1, 1}, Refusal{"G4 P1 M62 P1\n", "E-BLOCK", 1, 11},
+                    Refusal{"X1 . 5 . 2\n", "E-NUMBER", 1, 8},
+                    Refusal{"N1 G0 X99999999999\n", "E-NUMBER", 1, 7}, Refusal{"G0 X1 N5\n", "E-BLOCK", 1, 7},
+                    Refusal{"G0 /X1\n", "E-CHAR", 1, 4}, Refusal{"G0 X1\r\rY2\n", "E-CHAR", 1, 6}));
 
 TEST(Reader, LongestLineIsReadLongerOneRefused) {
   const std::string fits = "G0 X1 (" + std::string(246, 'a') + ")";

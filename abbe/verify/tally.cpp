@@ -14,7 +14,8 @@ void DeviationTally::add(const Vec3& deviation, double weight, std::uint64_t lin
     worst_.max_line = line;
   }
   for (std::size_t i = 0; i < 3; ++i)
-    worst_.max_component[i] = std::max(worst_.max_component[i], std::abs(deviation[static_cast<Eigen::Index>(i)]));
+    worst_.max_component[i] =
+        std::max(worst_.max_component[i], std::abs(deviation[static_cast<Eigen::Index>(i)]));
 }
 
 DeviationSummary DeviationTally::summary() const {

@@ -49,7 +49,8 @@ chain = "w b X Y Z t"
 )";
 
 inline Plan plan_of(const std::string& text) {
-  auto machine = read_machine({"m.toml", text}, std::nullopt, [](const std::string&) { return std::nullopt; });
+  auto machine =
+      read_machine({"m.toml", text}, std::nullopt, [](const std::string&) { return std::nullopt; });
   if (!machine.value) {
     for (const Diagnostic& d : machine.diagnostics) ADD_FAILURE() << to_text(d);
     std::abort();
@@ -104,7 +105,8 @@ inline ControlSetup setup_at_zero() {
   return setup;
 }
 
-inline VerifyReport verify(const Plan& plan, const std::string& original, const std::string& output, VerifyJob job) {
+inline VerifyReport verify(const Plan& plan, const std::string& original, const std::string& output,
+                           VerifyJob job) {
   const TestFile a(original), b(output);
   job.original_path = a.path();
   job.output_path = b.path();
@@ -136,8 +138,9 @@ struct Pair {
 };
 
 inline std::string rapid_lines(const Pen& p) {
-  return "%\nO7 (part)\nG21 G90 (setup)\nT1 M6\nS1000 M3\nG0" + p.at(10, 20, 30) + "\nM8\nG1 F200" + p.at(40, 20, 30) +
-         "\nF300" + p.at(40, 60, 30) + "; up\nG4 P0.5\nM9\nG0" + p.at(0, 0, 100) + "\nM5 M2\n%\ntrailing (text\n";
+  return "%\nO7 (part)\nG21 G90 (setup)\nT1 M6\nS1000 M3\nG0" + p.at(10, 20, 30) + "\nM8\nG1 F200" +
+         p.at(40, 20, 30) + "\nF300" + p.at(40, 60, 30) + "; up\nG4 P0.5\nM9\nG0" + p.at(0, 0, 100) +
+         "\nM5 M2\n%\ntrailing (text\n";
 }
 
 /// A line of 200 mm bends by kBow * 100^2 = 10 um: ten pieces leave 0.1 um.
@@ -157,8 +160,8 @@ inline std::string split_line_inverse_time(const Pen& p) {
 }
 
 inline std::string quarter_arcs(const Pen& p) {
-  return "G0" + p.at(10, 0, 0) + "\nG3 F100" + p.at(0, 10, 2) + p.centre(10, 0, 0, 0, 0) + "\nG2" + p.at(10, 0, 0) +
-         p.centre(0, 10, 2, 0, 0) + "\n";
+  return "G0" + p.at(10, 0, 0) + "\nG3 F100" + p.at(0, 10, 2) + p.centre(10, 0, 0, 0, 0) + "\nG2" +
+         p.at(10, 0, 0) + p.centre(0, 10, 2, 0, 0) + "\n";
 }
 
 inline std::string full_circle(const Pen& p) {
@@ -169,8 +172,9 @@ inline std::string full_circle(const Pen& p) {
 inline std::string circle_in_pieces(const Pen& p) {
   std::string text = "G0" + p.at(50, 0, 0) + "\n";
   if (!p.writes_output()) return text + "G2 F100 I-50 J0\n";
-  const double points[9][2] = {{50, 0}, {35.355339, -35.355339}, {0, -50}, {-35.355339, -35.355339}, {-50, 0},
-                               {-35.355339, 35.355339}, {0, 50}, {35.355339, 35.355339}, {50, 0}};
+  const double points[9][2] = {{50, 0},  {35.355339, -35.355339}, {0, -50}, {-35.355339, -35.355339},
+                               {-50, 0}, {-35.355339, 35.355339}, {0, 50},  {35.355339, 35.355339},
+                               {50, 0}};
   for (int k = 0; k < 8; ++k) {
     const auto& a = points[k];
     const auto& b = points[k + 1];
@@ -183,8 +187,8 @@ inline std::string circle_in_pieces(const Pen& p) {
     const double d = 2 * (ax * by - ay * bx);
     const double ux = (by * (ax * ax + ay * ay) - ay * (bx * bx + by * by)) / d;
     const double uy = (ax * (bx * bx + by * by) - bx * (ax * ax + ay * ay)) / d;
-    text += "G2" + std::string(k == 0 ? " F100" : "") + p.at(b[0], b[1], 0) + " I" + p.number(qm.x() + ux - qa.x()) +
-            " J" + p.number(qm.y() + uy - qa.y()) + "\n";
+    text += "G2" + std::string(k == 0 ? " F100" : "") + p.at(b[0], b[1], 0) + " I" +
+            p.number(qm.x() + ux - qa.x()) + " J" + p.number(qm.y() + uy - qa.y()) + "\n";
   }
   return text;
 }
@@ -207,8 +211,8 @@ inline std::string increments(const Pen& p) {
   Vec3 from = p.rounded_command(0, 0, 0);
   for (int k = 1; k <= 20; ++k) {
     const Vec3 to = p.rounded_command(1.5 * k, -0.7 * k, 0.1 * k), step = to - from;
-    text += std::string(k == 1 ? "G1 F100" : "") + " X" + p.number(step.x()) + " Y" + p.number(step.y()) + " Z" +
-            p.number(step.z()) + "\n";
+    text += std::string(k == 1 ? "G1 F100" : "") + " X" + p.number(step.x()) + " Y" + p.number(step.y()) +
+            " Z" + p.number(step.z()) + "\n";
     from = to;
   }
   return text;
@@ -239,19 +243,28 @@ inline std::string holes(const Pen& p) {
            p.number(r + q.z());
   };
   return "G0" + p.at(0, 0, 50) + "\nG98 G81 F100" + hole(10, 10, -5, 2) + "\n" + hole(40, 10, -5, 2) +
-         "\nG99 G83 Q1.5" + hole(60, 20, -9, 1) + "\nG82 P0.2" + hole(20, 30, -1, 1) + "\nG80\nG0" + p.at(0, 0, 50) + "\n";
+         "\nG99 G83 Q1.5" + hole(60, 20, -9, 1) + "\nG82 P0.2" + hole(20, 30, -1, 1) + "\nG80\nG0" +
+         p.at(0, 0, 50) + "\n";
 }
 
 inline std::string carriage_returns(const Pen& p) {
-  return std::string("\0\0\0%\r\n", 6) + "(a) (b)\r\n\r\nG0" + p.at(1, 2, 3) + "\r\n/G1 F5" + p.at(2, 3, 4) + "\r\n/ M8\r\nG1 F6" +
-         p.at(7, 8, 9) + "\r\n%";
+  return std::string("\0\0\0%\r\n", 6) + "(a) (b)\r\n\r\nG0" + p.at(1, 2, 3) + "\r\n/G1 F5" + p.at(2, 3, 4) +
+         "\r\n/ M8\r\nG1 F6" + p.at(7, 8, 9) + "\r\n%";
 }
 
 inline std::vector<Pair> good_pairs() {
-  return {{"RapidLines", rapid_lines},   {"SplitLine", split_line},       {"SplitLineInverseTime", split_line_inverse_time},
-          {"QuarterArcs", quarter_arcs}, {"FullCircle", full_circle},     {"CircleInPieces", circle_in_pieces},
-          {"HelixTurns", helix_turns},   {"OtherPlanes", other_planes},   {"Increments", increments},
-          {"PositionSet", position_set}, {"MachineMoves", machine_moves}, {"Holes", holes},
+  return {{"RapidLines", rapid_lines},
+          {"SplitLine", split_line},
+          {"SplitLineInverseTime", split_line_inverse_time},
+          {"QuarterArcs", quarter_arcs},
+          {"FullCircle", full_circle},
+          {"CircleInPieces", circle_in_pieces},
+          {"HelixTurns", helix_turns},
+          {"OtherPlanes", other_planes},
+          {"Increments", increments},
+          {"PositionSet", position_set},
+          {"MachineMoves", machine_moves},
+          {"Holes", holes},
           {"CarriageReturns", carriage_returns}};
 }
 

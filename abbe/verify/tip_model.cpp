@@ -10,12 +10,15 @@
 namespace abbe::verifying {
 namespace {
 
-constexpr double kProbe = 1024;          // mm: a power of two, so that the division below is exact
-constexpr double kIndependent = 1e-3;    // least determinant of the axis directions
-constexpr double kTravelSlack = 1e-6;    // mm
+constexpr double kProbe = 1024;        // mm: a power of two, so that the division below is exact
+constexpr double kIndependent = 1e-3;  // least determinant of the axis directions
+constexpr double kTravelSlack = 1e-6;  // mm
 
 Diagnostic axis_fault(char letter, const char* what) {
-  return {Severity::error, "E-AXIS", {}, fmt::format("axis {} {}", letter, what),
+  return {Severity::error,
+          "E-AXIS",
+          {},
+          fmt::format("axis {} {}", letter, what),
           "programs move X, Y and Z, and each must move the tool in its own direction",
           "set `address` of the axes in the machine file"};
 }
@@ -50,7 +53,9 @@ std::variant<TipModel, Diagnostic> TipModel::make(const Plan& plan, const Contro
 std::optional<Diagnostic> TipModel::use_tool(std::optional<int> tool) {
   const GaugeLength gauge = gauge_length(setup_, plan_.machine(), tool);
   if (gauge.touch_off && plan_.machine().has_angular_errors())
-    return Diagnostic{Severity::error, "E-TOOL", {},
+    return Diagnostic{Severity::error,
+                      "E-TOOL",
+                      {},
                       fmt::format("the length of tool {} in the tool table is negative", tool.value_or(-1)),
                       "angular errors act with the tool's length, and a negative offset is a touch-off value",
                       fmt::format("give its gauge length: --gauge T{}=..", tool.value_or(-1))};

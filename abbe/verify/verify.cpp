@@ -15,7 +15,8 @@ using verifying::ProgramReader;
 using verifying::TipModel;
 
 Diagnostic unreadable(const std::string& name, const FileError& error) {
-  return {Severity::error, "E-FILE", {name, 0, 0, 0, {}}, error.message, "it could not be read", "check the path"};
+  return {Severity::error,        "E-FILE",        {name, 0, 0, 0, {}}, error.message,
+          "it could not be read", "check the path"};
 }
 
 /// Reads what is left, for the size and the checksum of the whole file.
@@ -37,7 +38,8 @@ struct Pass {
 };
 
 /// Compares the two files once. Facts and identity are filled in as well.
-void run_pass(TipModel model, const VerifyJob& job, Pass& pass, VerifyReport& report, const Progress& progress) {
+void run_pass(TipModel model, const VerifyJob& job, Pass& pass, VerifyReport& report,
+              const Progress& progress) {
   auto original = ProgramReader::open(job.original_path, job.original_name, job.setup, pass.options);
   auto output = ProgramReader::open(job.output_path, job.output_name, job.setup, pass.options);
   if (const auto* error = std::get_if<FileError>(&original))

@@ -57,9 +57,12 @@ INSTANTIATE_TEST_SUITE_P(All, GoodPair, testing::ValuesIn(good_pairs()),
                          [](const auto& test) { return std::string(test.param.name); });
 
 TEST(Verify, InchesHaveTheirOwnDigits) {
-  const auto draw = [](const Pen& p) { return "G20\nG0" + p.at(10, 20, 30) + "\nG1 F10" + p.at(90, 20, 30) + "\nG2" +
-                                              p.at(110, 20, 30) + " I" + p.number(10) + " J0\n"; };
-  const VerifyReport report = verify(plan_of(kMachine), draw(Pen(false, inch)), draw(Pen(true, inch)), ideal_job());
+  const auto draw = [](const Pen& p) {
+    return "G20\nG0" + p.at(10, 20, 30) + "\nG1 F10" + p.at(90, 20, 30) + "\nG2" + p.at(110, 20, 30) + " I" +
+           p.number(10) + " J0\n";
+  };
+  const VerifyReport report =
+      verify(plan_of(kMachine), draw(Pen(false, inch)), draw(Pen(true, inch)), ideal_job());
   // The line of 80 mm bends by kBow * 40^2 = 1.6 um.
   EXPECT_FALSE(report.agrees);
   VerifyJob loose = ideal_job();
@@ -70,7 +73,9 @@ TEST(Verify, InchesHaveTheirOwnDigits) {
 }
 
 TEST(Verify, SeesABowBetweenTheEnds) {
-  const auto draw = [](const Pen& p) { return "G0" + p.at(-100, 0, 0) + "\nG1 F10" + p.at(100, 0, 0) + "\n"; };
+  const auto draw = [](const Pen& p) {
+    return "G0" + p.at(-100, 0, 0) + "\nG1 F10" + p.at(100, 0, 0) + "\n";
+  };
   const VerifyReport report = verify_drawn(draw);
   ASSERT_EQ(report.diagnostics.size(), 1u);
   EXPECT_EQ(report.diagnostics[0].code, "V-PATH");
@@ -128,8 +133,9 @@ TEST(Verify, DeletableBlocksAreComparedBothWays) {
   const Plan plan = plan_of(kMachine);
   const Pen in(false), out(true);
   const auto draw = [](const Pen& p) {
-    return "G0" + p.at(50, 0, 0) + "\n/G1 F9" + p.at(90, 0, 0) + "\nG1 F10 X" + p.number(p.command(90, 0, 0).x()) +
-           " Y" + p.number(p.command(p.writes_output() ? 50 : 90, 0, 0).y()) + "\n";
+    return "G0" + p.at(50, 0, 0) + "\n/G1 F9" + p.at(90, 0, 0) + "\nG1 F10 X" +
+           p.number(p.command(90, 0, 0).x()) + " Y" +
+           p.number(p.command(p.writes_output() ? 50 : 90, 0, 0).y()) + "\n";
   };
   VerifyReport report = verify(plan, draw(in), draw(out), ideal_job());
   EXPECT_FALSE(report.agrees);
@@ -157,7 +163,8 @@ EXX = { forward = { poly = [3] }, backward = { poly = [-3] } }
   job.reversal = true;
   report = verify(plan, original, original, job);
   EXPECT_FALSE(report.agrees);
-  const std::string taken_up = "G0 X-1.0030 Y0 Z0\nG0 X-0.0030\nG1 F10 X9.9970\nX10.0030\nX0.0030\nX0.0030 Y5\n";
+  const std::string taken_up =
+      "G0 X-1.0030 Y0 Z0\nG0 X-0.0030\nG1 F10 X9.9970\nX10.0030\nX0.0030\nX0.0030 Y5\n";
   // The first rapid has no direction known (start unknown): its error is the mean.
   const std::string output = "G0 X-1 Y0 Z0" + taken_up.substr(taken_up.find('\n'));
   report = verify(plan, original, output, job);
@@ -191,7 +198,8 @@ TEST(Verify, StopsWhenAsked) {
   const TestFile file(program);
   VerifyJob job = ideal_job();
   job.original_path = job.output_path = file.path();
-  const VerifyReport report = verify_program(plan_of(kPerfect), job, [](std::uint64_t, std::uint64_t) { return false; });
+  const VerifyReport report =
+      verify_program(plan_of(kPerfect), job, [](std::uint64_t, std::uint64_t) { return false; });
   EXPECT_TRUE(report.stopped);
   EXPECT_FALSE(report.agrees);
 }

@@ -1,5 +1,5 @@
-// Any bytes as a program for the verifying reader: it must understand or refuse them, never give a number that
-// is not finite, and a program compared with itself on a machine without errors must agree.
+// Any bytes as a program for the verifying reader: it must understand or refuse them, never give a number
+// that is not finite, and a program compared with itself on a machine without errors must agree.
 #include <unistd.h>
 
 #include <cmath>
@@ -27,7 +27,8 @@ void require(bool holds, const char* what) {
 const abbe::Plan& perfect_machine() {
   static const abbe::Plan plan = [] {
     const auto machine = abbe::read_machine(
-        {"m.toml", "format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\n[axis.Y]\n[axis.Z]\n"},
+        {"m.toml",
+         "format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z t\"\n[axis.X]\n[axis.Y]\n[axis.Z]\n"},
         std::nullopt, [](const std::string&) { return std::nullopt; });
     require(machine.value.has_value(), "the machine of this target is wrong");
     return std::get<abbe::Plan>(abbe::make_plan(*machine.value, {}));
@@ -37,7 +38,8 @@ const abbe::Plan& perfect_machine() {
 
 /// One file for the life of the process, rewritten for every input.
 struct Scratch {
-  std::string path = (std::filesystem::temp_directory_path() / ("abbe_fuzz_" + std::to_string(getpid()))).string();
+  std::string path =
+      (std::filesystem::temp_directory_path() / ("abbe_fuzz_" + std::to_string(getpid()))).string();
   ~Scratch() { std::remove(path.c_str()); }
 };
 
@@ -56,10 +58,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   job.original_path = job.output_path = scratch.path;
   job.original_name = job.output_name = "fuzz.ngc";
 
-  const auto refused = abbe::verifying::list_motions(scratch.path, "fuzz.ngc", job.setup, [](const ListedMotion& m) {
-    require(m.end.allFinite() && m.centre.allFinite(), "a position is not finite");
-  });
-  for (const auto& d : refused) require(!d.code.empty() && !abbe::to_text(d).empty(), "a refusal says nothing");
+  const auto refused =
+      abbe::verifying::list_motions(scratch.path, "fuzz.ngc", job.setup, [](const ListedMotion& m) {
+        require(m.end.allFinite() && m.centre.allFinite(), "a position is not finite");
+      });
+  for (const auto& d : refused)
+    require(!d.code.empty() && !abbe::to_text(d).empty(), "a refusal says nothing");
 
   const abbe::VerifyReport report = abbe::verify_program(perfect_machine(), job);
   require(std::isfinite(report.after.max) && std::isfinite(report.before.max), "a deviation is not finite");
