@@ -46,32 +46,31 @@ struct Derivative {
     return *this;
   }
   Derivative& operator/=(const Derivative& b) {
-    a /= b.a;
-    for (std::size_t i = 0; i < v.size(); ++i) v[i] = (v[i] - a * b.v[i]) / b.a;
+    const double inverse = 1 / b.a;
+    a *= inverse;
+    for (std::size_t i = 0; i < v.size(); ++i) v[i] = (v[i] - a * b.v[i]) * inverse;
     return *this;
   }
 
-  friend Derivative operator+(Derivative a, const Derivative& b) { return a += b; }
-  friend Derivative operator-(Derivative a, const Derivative& b) { return a -= b; }
-  friend Derivative operator*(Derivative a, const Derivative& b) { return a *= b; }
-  friend Derivative operator/(Derivative a, const Derivative& b) { return a /= b; }
-  friend Derivative operator-(const Derivative& a) { return chain(-a.a, -1, a); }
+  friend Derivative operator+(Derivative x, const Derivative& y) { return x += y; }
+  friend Derivative operator-(Derivative x, const Derivative& y) { return x -= y; }
+  friend Derivative operator*(Derivative x, const Derivative& y) { return x *= y; }
+  friend Derivative operator/(Derivative x, const Derivative& y) { return x /= y; }
+  friend Derivative operator-(const Derivative& x) { return chain(-x.a, -1, x); }
 
-  friend bool operator==(const Derivative& a, const Derivative& b) { return a.a == b.a; }
-  friend bool operator!=(const Derivative& a, const Derivative& b) { return a.a != b.a; }
-  friend bool operator<(const Derivative& a, const Derivative& b) { return a.a < b.a; }
-  friend bool operator>(const Derivative& a, const Derivative& b) { return a.a > b.a; }
-  friend bool operator<=(const Derivative& a, const Derivative& b) { return a.a <= b.a; }
-  friend bool operator>=(const Derivative& a, const Derivative& b) { return a.a >= b.a; }
+  friend bool operator==(const Derivative& x, const Derivative& y) { return x.a == y.a; }
+  friend bool operator!=(const Derivative& x, const Derivative& y) { return x.a != y.a; }
+  friend bool operator<(const Derivative& x, const Derivative& y) { return x.a < y.a; }
+  friend bool operator>(const Derivative& x, const Derivative& y) { return x.a > y.a; }
+  friend bool operator<=(const Derivative& x, const Derivative& y) { return x.a <= y.a; }
+  friend bool operator>=(const Derivative& x, const Derivative& y) { return x.a >= y.a; }
 
-  friend Derivative sin(const Derivative& a) { return chain(std::sin(a.a), std::cos(a.a), a); }
-  friend Derivative cos(const Derivative& a) { return chain(std::cos(a.a), -std::sin(a.a), a); }
-  friend Derivative sqrt(const Derivative& a) {
-    const double r = std::sqrt(a.a);
-    return chain(r, r > 0 ? 0.5 / r : 0.0, a);
+  friend Derivative sin(const Derivative& x) { return chain(std::sin(x.a), std::cos(x.a), x); }
+  friend Derivative cos(const Derivative& x) { return chain(std::cos(x.a), -std::sin(x.a), x); }
+  friend Derivative sqrt(const Derivative& x) {
+    const double r = std::sqrt(x.a);
+    return chain(r, r > 0 ? 0.5 / r : 0.0, x);
   }
-  friend Derivative abs(const Derivative& a) { return a.a < 0 ? -a : a; }
-  friend Derivative floor(const Derivative& a) { return Derivative(std::floor(a.a)); }
 };
 
 /// The plain number of a scalar: what decisions are taken on.
