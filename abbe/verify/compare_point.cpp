@@ -118,7 +118,9 @@ void Comparison::compare_cycle(const Motion& original, const Motion& output) {
   if (!check_withheld(original, output)) return;
   for (int k = 0; k < a.holes && !stop_; ++k) {
     const Vec3 shift = a.step * k, output_shift = b.step * k;
+    follow(k == 0 ? Vec3(a.travel - original.start.at) : a.step);
     compare_stroke(original, output, shift, output_shift);
+    follow(a.clear - a.bottom);
     check_reach(a.clear + shift, b.clear + output_shift);
   }
 }
@@ -136,9 +138,7 @@ void Comparison::compare_stroke(const Motion& original, const Motion& output, co
   check_reach(stroke.start.at, cut.start.at);
   check_reach(stroke.end.at, cut.end.at);
 
-  follow(stroke.start.at - original.start.at);
-  const Vec3 down = stroke.end.at - stroke.start.at;
-  if (down.norm() > 0) follow(down);
+  follow(stroke.end.at - stroke.start.at);
   NominalPath path(model_, stroke, datum_);
   const double allowed = allowed_for(quantum());
   const int intervals =

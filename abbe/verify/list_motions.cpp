@@ -94,6 +94,7 @@ class Lister {
 Diagnostics list_motions(const std::string& path, const std::string& name, const ControlSetup& setup,
                          const std::function<void(const ListedMotion&)>& found) {
   ProgramReader::Options options;
+  options.hashed = false;
   options.skip_deletable = setup.block_delete == ControlSetup::BlockDelete::on;
   auto opened = ProgramReader::open(path, name, setup, options);
   if (const auto* error = std::get_if<FileError>(&opened))

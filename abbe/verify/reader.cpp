@@ -213,7 +213,7 @@ ProgramReader& ProgramReader::operator=(ProgramReader&&) noexcept = default;
 
 FileResult<ProgramReader> ProgramReader::open(const std::string& path, const std::string& name,
                                               const ControlSetup& setup, const Options& options) {
-  auto lines = LineReader::open(path);
+  auto lines = LineReader::open(path, options.hashed);
   if (auto* error = std::get_if<FileError>(&lines)) return std::move(*error);
   return ProgramReader(std::make_unique<State>(std::move(std::get<LineReader>(lines)), name, setup, options));
 }

@@ -21,6 +21,7 @@ namespace abbe::verifying {
 class ProgramReader {
  public:
   struct Options {
+    bool hashed = true;           ///< file().sha256() will be asked for
     bool skip_deletable = false;  ///< blocks with '/' are not executed
     bool report_skipped = false;  ///< ... but come as events, with their text
   };

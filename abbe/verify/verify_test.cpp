@@ -171,6 +171,30 @@ EXX = { forward = { poly = [3] }, backward = { poly = [-3] } }
   EXPECT_TRUE(report.agrees) << texts(report);
 }
 
+TEST(Verify, HolesAreDrilledDownwards) {
+  const Plan plan = plan_of(R"(format = 1
+[machine]
+chain = "w b X Y Z t"
+[axis.X]
+[axis.Y]
+[axis.Z]
+[errors]
+EXX = { forward = { poly = [2] }, backward = { poly = [-2] } }
+EZZ = { forward = { poly = [5] }, backward = { poly = [-5] } }
+)");
+  VerifyJob job = ideal_job();
+  job.reversal = true;
+  job.setup.start = {0.0, 0.0, 0.0};
+  const std::string original = "G0 Z50\nG98 G81 X10 Y10 Z-5 R5 F9\nX-10\nG80\nG0 X-20\n";
+  // Up: -5 um. Down in the hole: +5 um. Up again behind it: -5 um. X by its direction.
+  const std::string output =
+      "G0 Z49.9950\nG98 G81 X9.9980 Y10 Z-4.9950 R5.0050 F9\nX-9.9980 Z-4.9950 R5.0050\nG80\nG0 X-19.9980 "
+      "Z49.9950\n";
+  const VerifyReport report = verify(plan, original, output, job);
+  EXPECT_TRUE(report.agrees) << texts(report);
+  EXPECT_EQ(verify(plan, original, original, job).diagnostics.front().code, "V-END");
+}
+
 TEST(Verify, KeepsSamplesSpreadOverThePath) {
   VerifyJob job = ideal_job();
   job.samples = 100;
