@@ -242,6 +242,20 @@ INSTANTIATE_TEST_SUITE_P(
                       Refusal{"G92.3\n", "E-G92", 1, 1},
                       Refusal{"G92 X0\n", "E-POS", 1, 5}));
 
+TEST(Rewrite, ArcFromAnUnknownPositionIsRefused) {
+  const auto result = rewrite(three_axes({}), "G2 X10 Y0 I5 J0 F100\nM2\n");
+  EXPECT_FALSE(result.report.complete);
+  EXPECT_TRUE(result.has("E-POS")) << result.findings();
+}
+
+TEST(Rewrite, ARefusedMoveStillMoves) {
+  Machine machine = bent_machine();
+  machine.bodies[0].range = {{-10, 50}};
+  const auto result = rewrite(machine, "G0 X0 Y0 Z0\nG1 X60 F100\nG3 X40 Y20 I-20 J0\nM2\n");
+  EXPECT_TRUE(result.has("E-TRAVEL")) << result.findings();
+  EXPECT_FALSE(result.has("E-ARC")) << "its centre counts from X60\n" << result.findings();
+}
+
 TEST(Rewrite, EveryRefusalIsListed) {
   const auto result = rewrite(bent_machine(), "G0 X0 A1\nG68\nG0 X#1\n");
   EXPECT_TRUE(result.has("E-ROTARY"));

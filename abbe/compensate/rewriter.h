@@ -69,7 +69,8 @@ class Rewriter {
   // rewriter_motion.cpp: lines and rapids
   void motion(std::string& out);
   bool read_move(Move& move);
-  void straight(const Move& move, std::string& out);
+  /// False: refused.
+  bool straight(const Move& move, std::string& out);
   void uncorrected(const Move& move, std::string& out);
   bool corrected_end(const Move& move, const std::array<signed char, 3>& approach, Vec3& q);
   bool sample_line(const Move& move, const Vec3& end_correction, const std::array<signed char, 3>& approach);
@@ -92,7 +93,7 @@ class Rewriter {
   void stops_to_last(bool first, std::string* extra);
 
   // rewriter_arc.cpp
-  void arc(const Move& move, std::string& out);
+  bool arc(const Move& move, std::string& out);
   std::optional<Arc> nominal_arc(const Move& move, const Vec3& p0, const Vec3& p1);
   struct ArcPiece {
     double s0 = 0, s1 = 1;

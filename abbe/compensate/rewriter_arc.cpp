@@ -171,36 +171,33 @@ void Rewriter::command_centre(const ArcPiece& piece, const Vec3& start, bool fir
   if (!modal_.absolute_centre && !first && extra->find_first_of("IJK") == std::string::npos) *extra += fmt::format(" {}0.0", "IJK"[a]);
 }
 
-void Rewriter::arc(const Move& move, std::string& out) {
-  if (move.known1 != 7 || !feed_allowed(move)) {
-    if (move.known0 == 7) refuse_block("E-POS", "an arc while the position of an axis is not known", "its path cannot be followed", "name X, Y and Z before");
-    return;
-  }
+bool Rewriter::arc(const Move& move, std::string& out) {
+  if (!feed_allowed(move)) return false;  // knows its start, and so its end
   if (in_.frames.rotated() && (modal_.plane != Plane::xy || (withheld_ & 3u))) {
     refuse_block("E-ROTATION", "an arc out of the XY plane in a rotated work offset", "it is not an arc of the machine's axes", "set the offset without rotation");
-    return;
+    return false;
   }
   if (job_.reversal && field_.depends_on_direction()) {
     refuse_block("E-REVERSAL", "lost motion along an arc changes where an axis turns round", "it is taken up on straight moves only", "leave --reversal away: the mean is compensated and the lost motion reported");
-    return;
+    return false;
   }
   const Vec3 p0 = in_.frames.to_program(move.m0);
   const Vec3 p1 = in_.frames.to_program(move.m1);
   const auto nominal = nominal_arc(move, p0, p1);
-  if (!nominal) return;
+  if (!nominal) return false;
   ++report_.arcs_in;
   if (withheld_ != 0) {
     const auto full = correction_at(move.m1, 0, approach_);
-    if (!full) return;
+    if (!full) return false;
     for (int k = 0; k < 3; ++k) {
       if (!(withheld_ & (1u << k)) || std::abs((*full)[k]) <= job_.tolerance) continue;
       refuse_block("E-POS", fmt::format("an arc while {} stands where G53 put it, without its correction", "XYZ"[k]),
                    "a word is not added to an axis that the program commanded in machine coordinates", "command the axis in the work offset first");
-      return;
+      return false;
     }
   }
   const auto c1 = correction_at(move.m1, withheld_, approach_);
-  if (!c1) return;
+  if (!c1) return false;
   note_correction(move.m1, *c1);
 
   Vec3 p_out = out_.p();
@@ -218,11 +215,11 @@ void Rewriter::arc(const Move& move, std::string& out) {
       const bool whole = s0 == 0 && k == 1;
       if (!whole && std::abs(nominal->sweep) * (s1 - s0) > kTurn * 0.98) continue;
       fitted = fit_piece(*nominal, s0, s1, p_out, whole, piece);
-      if (!fitted && findings_.refused()) return;
+      if (!fitted && findings_.refused()) return false;
     }
     if (!fitted) {
       refuse_block("E-TOL", "no arcs follow the correction along this arc within the tolerance", "the correction bends too much, or the arc is too short for its digits", "post the arc as lines, or allow more with --tolerance-um");
-      return;
+      return false;
     }
     const bool first = written == 0, last = piece.s1 >= 1;
     const Vec3 start = p_out;
@@ -266,6 +263,7 @@ void Rewriter::arc(const Move& move, std::string& out) {
   in_.m = move.m1;
   last_correction_ = withheld_ == 0 ? c1 : std::nullopt;
   start_corrected_ = withheld_ == 0;
+  return true;
 }
 
 }  // namespace abbe

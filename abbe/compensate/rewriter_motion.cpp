@@ -84,13 +84,13 @@ void Rewriter::motion(std::string& out) {
     pass(out);
   } else if (is_arc(instruction_.motion)) {
     withheld_ &= ~move.named;
-    return arc(move, out);
+    if (arc(move, out)) return;
   } else if (move.known1 != 7) {
     uncorrected(move, out);
   } else {
     withheld_ &= ~move.named;
-    straight(move, out);
-    return;
+    if (straight(move, out)) return;
+    out_.m = move.m1;  // refused: nothing is written any more, but what follows is judged from where it starts
   }
   in_.m = move.m1;
   known_ = move.known1;
@@ -283,9 +283,9 @@ void Rewriter::command(const Vec3& want, bool first, Vec3& p_out, std::string* e
   }
 }
 
-void Rewriter::straight(const Move& move, std::string& out) {
+bool Rewriter::straight(const Move& move, std::string& out) {
   const bool feed = instruction_.motion == 10;
-  if (feed && !feed_allowed(move)) return;
+  if (feed && !feed_allowed(move)) return false;
   const Vec3 way = move.m1 - move.m0;
   std::array<signed char, 3> approach{};
   bool turned = false;
@@ -300,18 +300,18 @@ void Rewriter::straight(const Move& move, std::string& out) {
   }
   if (out_.frames.rotated() && (withheld_ & 3u)) {
     refuse_block("E-ROTATION", "X or Y stands in machine coordinates in a rotated work offset", "its correction cannot be withheld there", "command X and Y after G53");
-    return;
+    return false;
   }
   const auto c1 = correction_at(move.m1, withheld_, approach);
-  if (!c1) return;
+  if (!c1) return false;
   if (feed && withheld_ != 0) {
     const auto full = correction_at(move.m1, 0, approach);
-    if (!full) return;
+    if (!full) return false;
     for (int k = 0; k < 3; ++k) {
       if (!(withheld_ & (1u << k)) || std::abs((*full)[k]) <= job_.tolerance) continue;
       refuse_block("E-POS", fmt::format("a feed move while {} stands where G53 put it, without its correction of {:.1f} um", "XYZ"[k], (*full)[k] / um),
                    "a word is not added to an axis that the program commanded in machine coordinates", "command the axis in the work offset first");
-      return;
+      return false;
     }
   }
   note_correction(move.m1, *c1);
@@ -323,12 +323,12 @@ void Rewriter::straight(const Move& move, std::string& out) {
     const double length = way.norm();
     const bool look = length > 2 * interpolation_ / job_.max_gradient || turned;
     if (look) {
-      if (!sample_line(move, *c1, approach)) return;
+      if (!sample_line(move, *c1, approach)) return false;
       takes_up = turned && start_corrected_ &&
                  (move.m0 + samples_.front().correction - out_.m).norm() > interpolation_;
       if (takes_up && modal_.feed_mode == 930) {
         refuse_block("E-REVERSAL", "lost motion must be taken up in an inverse-time (G93) block", "the extra block would need a time of its own", "post with G94");
-        return;
+        return false;
       }
       ends = split_move(samples_, interpolation_);
     }
@@ -388,6 +388,7 @@ void Rewriter::straight(const Move& move, std::string& out) {
   known_ = move.known1;
   last_correction_ = withheld_ == 0 ? c1 : std::nullopt;
   start_corrected_ = withheld_ == 0;
+  return true;
 }
 
 }  // namespace abbe

@@ -69,8 +69,16 @@ bool Machine::has_angular_errors() const {
   const auto is_zero = [](const ErrorTerm& term) {
     return term.function.is_constant() && term.function.value<double>(nullptr, nullptr, nullptr) == 0;
   };
-  return std::any_of(errors.begin(), errors.end(),
-                     [&](const ErrorTerm& term) { return term.name.is_rotation() && !is_zero(term); });
+  // A squareness in the `line` order turns the line a linear axis runs along, not what it carries.
+  const auto turns_the_line_only = [&](const ErrorTerm& term) {
+    if (term.name.error_class != ErrorClass::location || term.body < 0) return false;
+    const Body& body = bodies[static_cast<std::size_t>(term.body)];
+    return body.type == AxisType::linear && body.order == line_order() &&
+           std::abs(body.direction[term.name.direction - 3]) < 1e-12;
+  };
+  return std::any_of(errors.begin(), errors.end(), [&](const ErrorTerm& term) {
+    return term.name.is_rotation() && !is_zero(term) && !turns_the_line_only(term);
+  });
 }
 
 std::vector<BodyNumber> body_numbers(const Machine& machine) {

@@ -106,7 +106,7 @@ struct Machine {
   std::vector<Variable> variables;  ///< first one position per moving axis (same index), then the others used
   std::vector<ErrorTerm> errors;    ///< in file order
   Calibration calibration;
-  std::string sha256;              ///< of the machine file and, if given apart, the errors file
+  std::string sha256;              ///< of machine file, errors file if given apart, and CSV tables
   std::vector<std::string> files;  ///< machine file, errors file, CSV files read
 
   [[nodiscard]] int axis_count() const { return static_cast<int>(axes.size()); }

@@ -84,13 +84,6 @@ void compare_machine_ids(const Calibration& machine, const Calibration& errors, 
                    "errors of one machine make another one worse", "use the errors file of this machine");
 }
 
-std::string sha256_of(const MachineText& machine, const std::optional<MachineText>& errors) {
-  Sha256 sha;
-  sha.add(machine.text);
-  if (errors) sha.add(errors->text);
-  return sha.hex();
-}
-
 Parsed<Machine> unreadable(const std::string& path, const FileError& error) {
   Diagnostics diagnostics;
   Findings(path, {}, diagnostics)
@@ -104,6 +97,15 @@ Parsed<Machine> read_machine(const MachineText& machine_text, const std::optiona
                              const FileFetcher& fetch) {
   Parsed<Machine> out;
   Machine machine;
+  // Everything the errors are read from: machine file, errors file, then CSV tables as they are named.
+  Sha256 sha;
+  sha.add(machine_text.text);
+  if (errors_text) sha.add(errors_text->text);
+  const FileFetcher hashed_fetch = [&](const std::string& path) {
+    auto bytes = fetch ? fetch(path) : std::nullopt;
+    if (bytes) sha.add(*bytes);
+    return bytes;
+  };
   machine.files.push_back(machine_text.file);
   if (errors_text) machine.files.push_back(errors_text->file);
 
@@ -148,7 +150,7 @@ Parsed<Machine> read_machine(const MachineText& machine_text, const std::optiona
   if (readable && chain) {
     VariableTable variables(
         machine.bodies, {error_units.length / machine.units.length, error_units.angle / machine.units.angle});
-    CsvTables tables(error_findings.file(), fetch, out.diagnostics);
+    CsvTables tables(error_findings.file(), hashed_fetch, out.diagnostics);
     FunctionReader functions(variables, tables, error_units.angle, error_findings);
     ErrorSection errors = read_errors(errors_file ? *errors_file : *root, machine.bodies, error_units,
                                       functions, error_findings);
@@ -160,7 +162,7 @@ Parsed<Machine> read_machine(const MachineText& machine_text, const std::optiona
 
   sort_by_place(out.diagnostics, machine.files);
   if (has_errors(out.diagnostics)) return out;
-  machine.sha256 = sha256_of(machine_text, errors_text);
+  machine.sha256 = sha.hex();
   out.value = std::move(machine);
   return out;
 }

@@ -98,14 +98,6 @@ std::vector<std::string> header_lines(const ProgramReport& report) {
                                     report.tolerance / um);
   if (calibration.temperature) terms = fmt::format("TEMP {:.1f} C {}", *calibration.temperature, terms);
   add_comment(lines, terms);
-  if (report.verify != nullptr) {
-    add_comment(lines, fmt::format("DEVIATION BEFORE {:.1f} UM AFTER {:.2f} UM", report.verify->before.max / um,
-                                   report.verify->after.max / um));
-  }
-  if (rewritten && report.rewrite->complete) {
-    const auto& most = report.rewrite->max_correction;
-    add_comment(lines, fmt::format("MAX CORRECTION X {:.1f} Y {:.1f} Z {:.1f} UM", most[0] / um, most[1] / um, most[2] / um));
-  }
   return lines;
 }
 

@@ -107,7 +107,7 @@ void report_tally(const Tally& tally, Session& session) {
     Diagnostic degraded =
         finding(Severity::warning, "W-DEGRADED", tally.first_degraded,
                 fmt::format("an axis was held at its command for {} of {} points, the first here", n, tally.points));
-    degraded.why = "near a singularity a small tilt of the tool asks for a large turn of a rotary axis";
+    degraded.why = "the correction would leave the travel, or, near a singularity, turn a rotary axis far for a small tilt";
     degraded.fix = "see residual.direction; --max-rotary-correction sets how far a rotary axis may be moved";
     session.report(degraded);
   }

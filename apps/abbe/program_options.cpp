@@ -156,6 +156,8 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, Se
   setup.loaded_tool = a.tool;
   using BlockDelete = ControlSetup::BlockDelete;
   if (!a.block_delete.empty()) setup.block_delete = a.block_delete == "on" ? BlockDelete::on : BlockDelete::off;
+  if (!a.common.approach.empty()) findings.push_back(option_error("--approach", "a program states its own directions", "leave it out; --reversal uses them"));
+  if (a.common.limit_angle_deg) findings.push_back(option_error("--limit-angle-deg", "three linear axes cannot correct the tool's direction", "leave it out, or ask `abbe predict`"));
   session.report(findings);
   if (!findings.empty() || !good) return std::nullopt;
   auto plan = plan_or_report(*setting, setting->environment, session);

@@ -32,6 +32,8 @@ Exit exit_of(ProgramEnd end) {
 void tell(const ProgramOutcome& outcome, const ProgramArguments& arguments, const std::string& output, Session& session) {
   session.report(outcome.diagnostics, exit_of(outcome.end));
   if (outcome.end != ProgramEnd::done) session.note(exit_of(outcome.end));
+  const auto& limit = arguments.common.limit_um;
+  if (session.strict && limit && outcome.verify.after.max > *limit * um) session.note(Exit::warnings);
   // standard output belongs to the program when that is where it goes
   const std::string& text = arguments.common.json ? outcome.json : outcome.text;
   if (output == "-") {
