@@ -20,8 +20,8 @@ constexpr double kStalled = 1e3;           // times the tolerance: rounding of f
 
 using Commands = std::array<double, kMaxAxes>;
 
-[[nodiscard]] bool all_finite(const Commands& q) {
-  return std::all_of(q.begin(), q.end(), [](double x) { return std::isfinite(x); });
+[[nodiscard]] bool all_finite(const Commands& q, int axes) {
+  return std::all_of(q.begin(), q.begin() + axes, [](double x) { return std::isfinite(x); });
 }
 
 [[nodiscard]] AxisSet bit(int axis) { return AxisSet{1} << axis; }
@@ -41,9 +41,10 @@ class Corrector {
         inputs_(plan_, query) {}
 
   [[nodiscard]] Correction run(const Commands* start) {
-    result_.corrected = query_.q;
-    if (!all_finite(query_.q)) {
-      for (double& x : result_.corrected) x = std::isfinite(x) ? x : 0.0;
+    if (!all_finite(query_.q, plan_.axis_count)) {
+      for (std::size_t k = 0; k < axes(); ++k) {
+        result_.corrected[k] = std::isfinite(query_.q[k]) ? query_.q[k] : 0.0;
+      }
       return result_;
     }
     Inputs<double> nominal;
@@ -54,22 +55,30 @@ class Corrector {
     target_axis_ = columns_.v[0];
     target_ = columns_.p + options_.target_shift;
     prepare(columns_);
-    for (int i = 0; i < plan_.axis_count; ++i) set_limits(i);
+    set_limits();
 
-    q_ = query_.q;
+    q_ = command();
     const bool done = options_.method == Method::one_step ? one_step() : newton(start);
     finish(done);
     return result_;
   }
 
  private:
-  void set_limits(int i) {
-    const auto k = static_cast<std::size_t>(i);
-    const auto& range = plan_.machine->axis(i).range;
-    // A command outside the travels is the caller's affair: it may stay, not go farther.
-    lo_[k] =
-        range.has_value() ? std::min((*range)[0], query_.q[k]) : -std::numeric_limits<double>::infinity();
-    hi_[k] = range.has_value() ? std::max((*range)[1], query_.q[k]) : std::numeric_limits<double>::infinity();
+  [[nodiscard]] std::size_t axes() const { return static_cast<std::size_t>(plan_.axis_count); }
+
+  /// The commands of the axes that exist, zero elsewhere.
+  [[nodiscard]] Commands command() const {
+    Commands q{};
+    std::copy_n(query_.q.begin(), axes(), q.begin());
+    return q;
+  }
+
+  /// A command outside the travels is the caller's affair: it may stay, not go farther.
+  void set_limits() {
+    for (std::size_t k = 0; k < axes(); ++k) {
+      lo_[k] = std::min(plan_.lo[k], query_.q[k]);
+      hi_[k] = std::max(plan_.hi[k], query_.q[k]);
+    }
   }
 
   void prepare(const CarriedColumns& columns) {
@@ -163,7 +172,7 @@ class Corrector {
 
   /// The command, with axes that already rest at an end of their travel left there.
   [[nodiscard]] Commands held_start() const {
-    Commands q = query_.q;
+    Commands q = command();
     for (int i = 0; i < plan_.axis_count; ++i) {
       if ((result_.held & bit(i)) != 0) q[static_cast<std::size_t>(i)] = q_[static_cast<std::size_t>(i)];
     }
@@ -171,7 +180,7 @@ class Corrector {
   }
 
   void move(const Commands& dq) {
-    for (std::size_t k = 0; k < static_cast<std::size_t>(plan_.axis_count); ++k) q_[k] += dq[k];
+    for (std::size_t k = 0; k < axes(); ++k) q_[k] += dq[k];
   }
 
   /// The larger of both steps in units of its tolerance.
@@ -187,7 +196,7 @@ class Corrector {
   }
 
   [[nodiscard]] bool newton(const Commands* start) {
-    if (start != nullptr && all_finite(*start) && !step_.redundant()) begin_at(*start);
+    if (start != nullptr && all_finite(*start, plan_.axis_count) && !step_.redundant()) begin_at(*start);
     double before = 0;  // size of the step before, 0 = none since the last hold
     for (int i = 0; i < options_.max_iterations; ++i) {
       const Actual at = actual();
@@ -195,7 +204,7 @@ class Corrector {
       const double cosine = at.a.dot(target_axis_);
       Residual left;
       const Commands dq = step_.solve(r, left);
-      if (!all_finite(dq) || !(cosine > 0)) return false;
+      if (!all_finite(dq, plan_.axis_count) || !(cosine > 0)) return false;
       if (held_instead(dq)) {
         before = 0;
         continue;
@@ -248,7 +257,7 @@ class Corrector {
     Residual left;
     Commands dq = step_.solve(r, left);
     for (int i = 0; i <= plan_.axis_count; ++i) {
-      if (!all_finite(dq)) return false;
+      if (!all_finite(dq, plan_.axis_count)) return false;
       if (const int axis = excessive(dq); axis >= 0) {
         hold(axis, query_.q[static_cast<std::size_t>(axis)]);
       } else if (const int end = beyond_travel(dq); end >= 0) {
@@ -281,7 +290,7 @@ class Corrector {
 
   void finish(bool done) {
     const bool finite = std::isfinite(result_.residual_position) &&
-                        std::isfinite(result_.residual_direction) && all_finite(q_);
+                        std::isfinite(result_.residual_direction) && all_finite(q_, plan_.axis_count);
     if (!done || !finite) {
       fail();
       return;
@@ -307,7 +316,7 @@ class Corrector {
     const int iterations = result_.iterations;
     const bool outside = result_.outside;
     result_ = Correction{};
-    result_.corrected = q_ = query_.q;
+    result_.corrected = q_ = command();
     const Actual at = actual();
     measure(residual_of(at), at.a.dot(target_axis_), 0);
     if (!std::isfinite(result_.residual_position) || !std::isfinite(result_.residual_direction)) {
