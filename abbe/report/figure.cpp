@@ -20,10 +20,10 @@ constexpr double kMargin = 40;
 constexpr double kPathTop = 104, kPathHeight = 400, kPathWidth = 430;
 constexpr double kStripLeft = 96, kStripRight = 1080, kStripHeight = 112;
 constexpr double kBeforeTop = 562, kAfterTop = 704;
-constexpr std::size_t kMostSegments = 6000;   ///< drawn per picture
-constexpr int kStripColumns = 900;            ///< of which the least and the largest value are drawn
+constexpr std::size_t kMostSegments = 4000;  ///< drawn per picture
+constexpr int kStripColumns = 700;           ///< of which the least and the largest value are drawn
 constexpr int kColours = 24;
-constexpr double kFlat = 0.35;                ///< thinner than this part of the second extent: seen from above
+constexpr double kFlat = 0.35;  ///< thinner than this part of the second extent: seen from above
 
 constexpr std::string_view kMicrometre = "\xC2\xB5m";
 constexpr std::string_view kGrey = "#777777", kLightGrey = "#bbbbbb", kGrid = "#e4e4e4";
@@ -39,7 +39,8 @@ std::string colour(double part) {
   const std::size_t i = std::min(static_cast<std::size_t>(at), kStops.size() - 2);
   const double f = at - static_cast<double>(i);
   std::array<int, 3> rgb{};
-  for (std::size_t c = 0; c < 3; ++c) rgb[c] = static_cast<int>(std::lround((1 - f) * kStops[i][c] + f * kStops[i + 1][c]));
+  for (std::size_t c = 0; c < 3; ++c)
+    rgb[c] = static_cast<int>(std::lround((1 - f) * kStops[i][c] + f * kStops[i + 1][c]));
   return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
 }
 
@@ -95,7 +96,8 @@ std::vector<PathSample> samples_to_draw(const std::vector<PathSample>& all) {
   }
   if (finite.size() <= kMostSegments) return finite;
   std::vector<PathSample> thin;
-  for (std::size_t i = 0; i < kMostSegments; ++i) thin.push_back(finite[i * (finite.size() - 1) / (kMostSegments - 1)]);
+  for (std::size_t i = 0; i < kMostSegments; ++i)
+    thin.push_back(finite[i * (finite.size() - 1) / (kMostSegments - 1)]);
   return thin;
 }
 
@@ -116,8 +118,8 @@ struct Range {
   }
 };
 
-Projection fit(const View& view, const std::vector<PathSample>& samples, double left, double top, double width,
-               double height) {
+Projection fit(const View& view, const std::vector<PathSample>& samples, double left, double top,
+               double width, double height) {
   Range a, b;
   bool first = true;
   for (const PathSample& s : samples) {
@@ -138,7 +140,9 @@ Projection fit(const View& view, const std::vector<PathSample>& samples, double 
 
 enum class Side { before, after };
 
-double deviation_um(const PathSample& s, Side side) { return (side == Side::before ? s.before : s.after).norm() / um; }
+double deviation_um(const PathSample& s, Side side) {
+  return (side == Side::before ? s.before : s.after).norm() / um;
+}
 
 void draw_plan_axes(SvgPage& page, const Projection& to_page, double left, double top) {
   const double right = left + kPathWidth, bottom = top + kPathHeight;
@@ -149,15 +153,18 @@ void draw_plan_axes(SvgPage& page, const Projection& to_page, double left, doubl
   for (const double value : a.values) {
     const double x = to_page.left + to_page.scale * (value - to_page.a0);
     page.line({x, top}, {x, bottom}, {.colour = kGrid});
-    page.text({x, bottom + 15}, fmt::format("{:.{}f}", value, a.decimals), {.size = 11, .anchor = SvgPage::Anchor::middle});
+    page.text({x, bottom + 15}, fmt::format("{:.{}f}", value, a.decimals),
+              {.size = 11, .anchor = SvgPage::Anchor::middle});
   }
   for (const double value : b.values) {
     const double y = to_page.bottom - to_page.scale * (value - to_page.b0);
     page.line({left, y}, {right, y}, {.colour = kGrid});
-    page.text({left - 6, y + 4}, fmt::format("{:.{}f}", value, b.decimals), {.size = 11, .anchor = SvgPage::Anchor::end});
+    page.text({left - 6, y + 4}, fmt::format("{:.{}f}", value, b.decimals),
+              {.size = 11, .anchor = SvgPage::Anchor::end});
   }
   page.box({left, top}, kPathWidth, kPathHeight, "", kLightGrey);
-  page.text({left + kPathWidth / 2, bottom + 32}, to_page.view.across_name, {.size = 12, .anchor = SvgPage::Anchor::middle});
+  page.text({left + kPathWidth / 2, bottom + 32}, to_page.view.across_name,
+            {.size = 12, .anchor = SvgPage::Anchor::middle});
   page.text({left - 38, top + kPathHeight / 2}, to_page.view.up_name,
             {.size = 12, .anchor = SvgPage::Anchor::middle, .turned = 90});
 }
@@ -182,8 +189,8 @@ void draw_isometric_axes(SvgPage& page, const Projection& to_page, double left, 
             {.size = 11, .anchor = SvgPage::Anchor::end});
 }
 
-void draw_path(SvgPage& page, const Projection& to_page, const std::vector<PathSample>& samples, Side side, double most_um,
-               double left, double top) {
+void draw_path(SvgPage& page, const Projection& to_page, const std::vector<PathSample>& samples, Side side,
+               double most_um, double left, double top) {
   if (to_page.view.isometric) {
     draw_isometric_axes(page, to_page, left, top);
   } else {
@@ -196,17 +203,20 @@ void draw_path(SvgPage& page, const Projection& to_page, const std::vector<PathS
     return std::clamp(static_cast<int>(deviation_um(s, side) / most_um * kColours), 0, kColours - 1);
   };
   // Rapids first, below the cut; only what lies within the panel.
+  std::vector<std::vector<PagePoint>> rapids;
   for (std::size_t i = 1; i < samples.size(); ++i) {
     if (!samples[i].rapid && !is_gap(samples[i - 1], samples[i])) continue;
     const PagePoint a = to_page(samples[i - 1].position), b = to_page(samples[i].position);
-    if (inside(a) && inside(b)) page.line(a, b, {.colour = kLightGrey, .width = 0.6, .dashes = "3 2"});
+    if (inside(a) && inside(b)) rapids.push_back({a, b});
   }
-  // Stretches of one colour are one line.
+  page.polylines(rapids, {.colour = kLightGrey, .width = 0.6, .dashes = "3 2"});
+  // Stretches of one colour are one line; the darkest are drawn last, so that the worst is seen.
+  std::array<std::vector<std::vector<PagePoint>>, kColours> stretches;
   std::vector<PagePoint> stretch;
   int colour_of_stretch = -1;
   std::size_t cut = 0;
   const auto finish = [&] {
-    page.polyline(stretch, {.colour = colour((colour_of_stretch + 0.5) / kColours), .width = 1.4});
+    if (colour_of_stretch >= 0) stretches[static_cast<std::size_t>(colour_of_stretch)].push_back(stretch);
     stretch.clear();
     colour_of_stretch = -1;
   };
@@ -226,9 +236,13 @@ void draw_path(SvgPage& page, const Projection& to_page, const std::vector<PathS
     stretch.push_back(to_page(samples[i].position));
   }
   finish();
-  const auto worst = std::max_element(samples.begin(), samples.end(), [&](const PathSample& a, const PathSample& b) {
-    return (a.rapid ? -1 : deviation_um(a, side)) < (b.rapid ? -1 : deviation_um(b, side));
-  });
+  for (std::size_t i = 0; i < stretches.size(); ++i) {
+    page.polylines(stretches[i], {.colour = colour((static_cast<double>(i) + 0.5) / kColours), .width = 1.4});
+  }
+  const auto worst =
+      std::max_element(samples.begin(), samples.end(), [&](const PathSample& a, const PathSample& b) {
+        return (a.rapid ? -1 : deviation_um(a, side)) < (b.rapid ? -1 : deviation_um(b, side));
+      });
   page.ring(to_page(worst->position), 7, {.width = 1.2});
   if (cut == 1) {
     for (const PathSample& s : samples) {
@@ -250,7 +264,8 @@ void draw_colour_bar(SvgPage& page, double most_um, double left, double top, dou
     page.line({left + kBar, y}, {left + kBar + 4, y}, {.colour = kGrey});
     page.text({left + kBar + 7, y + 4}, fmt::format("{:.{}f}", value, ticks.decimals), {.size = 11});
   }
-  page.text({left + kBar / 2, top - 10}, fmt::format("|d| ({})", kMicrometre), {.size = 11, .anchor = SvgPage::Anchor::middle});
+  page.text({left + kBar / 2, top - 10}, fmt::format("|d| ({})", kMicrometre),
+            {.size = 11, .anchor = SvgPage::Anchor::middle});
 }
 
 /// Numbers of a strip: the cut points only, path length in mm, components in um.
@@ -271,14 +286,15 @@ StripData strip_data(const std::vector<PathSample>& all, Side side) {
 }
 
 /// Of every column of the page the least and the largest value, in the order they occur: no peak is lost.
-std::vector<PagePoint> strip_line(const std::vector<double>& s, const std::vector<double>& v, double from, double to,
-                                  double y0, double scale) {
+std::vector<PagePoint> strip_line(const std::vector<double>& s, const std::vector<double>& v, double from,
+                                  double to, double y0, double scale) {
   std::vector<PagePoint> points;
   const double width = kStripRight - kStripLeft;
   std::size_t i = 0;
   while (i < s.size()) {
     const auto column_of = [&](std::size_t k) {
-      return to > from ? static_cast<std::int64_t>((s[k] - from) / (to - from) * kStripColumns) : std::int64_t{0};
+      return to > from ? static_cast<std::int64_t>((s[k] - from) / (to - from) * kStripColumns)
+                       : std::int64_t{0};
     };
     const std::int64_t column = column_of(i);
     std::size_t least = i, most = i, next = i;
@@ -296,8 +312,8 @@ std::vector<PagePoint> strip_line(const std::vector<double>& s, const std::vecto
   return points;
 }
 
-void draw_strip(SvgPage& page, const StripData& data, double top, std::string_view name, std::optional<double> allowed_um,
-                bool bottom_axis) {
+void draw_strip(SvgPage& page, const StripData& data, double top, std::string_view name,
+                std::optional<double> allowed_um, bool bottom_axis) {
   const double bottom = top + kStripHeight, width = kStripRight - kStripLeft;
   double lo = -allowed_um.value_or(0), hi = allowed_um.value_or(0);
   for (const std::vector<double>& values : data.component) {
@@ -322,7 +338,8 @@ void draw_strip(SvgPage& page, const StripData& data, double top, std::string_vi
     // Under the line if there is no room above it.
     const double y = y0 - scale * *allowed_um;
     page.text({kStripRight - 4, y < top + 16 ? y + 12 : y - 4},
-              fmt::format("allowed {:.2f} {}", *allowed_um, kMicrometre), {.size = 10, .anchor = SvgPage::Anchor::end, .colour = "#b06000"});
+              fmt::format("allowed {:.2f} {}", *allowed_um, kMicrometre),
+              {.size = 10, .anchor = SvgPage::Anchor::end, .colour = "#b06000"});
   }
   const double from = 0;
   const double to = data.travelled.empty() ? 0 : data.travelled.back();
@@ -332,12 +349,14 @@ void draw_strip(SvgPage& page, const StripData& data, double top, std::string_vi
     page.polyline(points, {.colour = kComponentColour[c], .width = 1.1, .dashes = kComponentDashes[c]});
   }
   page.box({kStripLeft, top}, width, kStripHeight, "", kLightGrey);
-  page.text({kStripLeft - 56, top + kStripHeight / 2}, fmt::format("d ({})", kMicrometre), {.size = 12, .anchor = SvgPage::Anchor::middle, .turned = 90});
+  page.text({kStripLeft - 56, top + kStripHeight / 2}, fmt::format("d ({})", kMicrometre),
+            {.size = 12, .anchor = SvgPage::Anchor::middle, .turned = 90});
   page.text({kStripLeft, top - 7}, name, {.size = 12, .bold = true});
   // Legend to the right of the name, on one line.
   double x = kStripRight - 150;
   for (std::size_t c = 0; c < 3; ++c, x += 52) {
-    page.line({x, top - 11}, {x + 24, top - 11}, {.colour = kComponentColour[c], .width = 2, .dashes = kComponentDashes[c]});
+    page.line({x, top - 11}, {x + 24, top - 11},
+              {.colour = kComponentColour[c], .width = 2, .dashes = kComponentDashes[c]});
     page.text({x + 28, top - 7}, kComponentName[c], {.size = 12});
   }
   if (!bottom_axis) return;
@@ -346,10 +365,12 @@ void draw_strip(SvgPage& page, const StripData& data, double top, std::string_vi
     for (const double value : lengths.values) {
       const double at = kStripLeft + width * (value - from) / (to - from);
       page.line({at, bottom}, {at, bottom + 4}, {.colour = kGrey});
-      page.text({at, bottom + 17}, fmt::format("{:.{}f}", value, lengths.decimals), {.size = 11, .anchor = SvgPage::Anchor::middle});
+      page.text({at, bottom + 17}, fmt::format("{:.{}f}", value, lengths.decimals),
+                {.size = 11, .anchor = SvgPage::Anchor::middle});
     }
   }
-  page.text({(kStripLeft + kStripRight) / 2, bottom + 34}, "length of the feed path (mm)", {.size = 12, .anchor = SvgPage::Anchor::middle});
+  page.text({(kStripLeft + kStripRight) / 2, bottom + 34}, "length of the feed path (mm)",
+            {.size = 12, .anchor = SvgPage::Anchor::middle});
 }
 
 std::string name_of_file(const std::string& path) {
@@ -359,8 +380,8 @@ std::string name_of_file(const std::string& path) {
 
 std::string numbers(const DeviationSummary& summary) {
   const int decimals = summary.max >= 10 * um ? 1 : 3;
-  return fmt::format("max {:.{}f} {}, rms {:.{}f} {}", summary.max / um, decimals, kMicrometre, summary.rms / um, decimals,
-                     kMicrometre);
+  return fmt::format("max {:.{}f} {}, rms {:.{}f} {}", summary.max / um, decimals, kMicrometre,
+                     summary.rms / um, decimals, kMicrometre);
 }
 
 }  // namespace
@@ -369,7 +390,8 @@ std::string figure_before_after(const ProgramReport& report) {
   static const VerifyReport kNothing;
   const VerifyReport& verify = report.verify != nullptr ? *report.verify : kNothing;
   SvgPage page(kWidth, kHeight);
-  const std::string title = fmt::format("{}: deviation of the tool tip before and after correction", name_of_file(report.input_name));
+  const std::string title = fmt::format("{}: deviation of the tool tip before and after correction",
+                                        name_of_file(report.input_name));
   page.text({kMargin, 34}, title, {.size = 18, .bold = true});
   std::string source = fmt::format("machine {}", report.machine->name);
   if (!report.machine->calibration.date.empty()) source += ", calibrated " + report.machine->calibration.date;
@@ -382,9 +404,11 @@ std::string figure_before_after(const ProgramReport& report) {
             {.size = 11, .colour = kGrey});
 
   const std::vector<PathSample> samples = samples_to_draw(verify.samples);
-  const bool has_cut = std::any_of(samples.begin(), samples.end(), [](const PathSample& s) { return !s.rapid; });
+  const bool has_cut =
+      std::any_of(samples.begin(), samples.end(), [](const PathSample& s) { return !s.rapid; });
   if (!has_cut) {
-    page.text({kWidth / 2, kHeight / 2}, "no feed motion to show", {.size = 16, .anchor = SvgPage::Anchor::middle});
+    page.text({kWidth / 2, kHeight / 2}, "no feed motion to show",
+              {.size = 16, .anchor = SvgPage::Anchor::middle});
     return page.finish(title, source);
   }
   Box box;
@@ -405,16 +429,19 @@ std::string figure_before_after(const ProgramReport& report) {
     const double x = left[side == Side::before ? 0 : 1];
     // Isometric pictures leave room for the arrows of the axes.
     const double low = view.isometric ? 70 : kInset;
-    const Projection to_page =
-        fit(view, samples, x + kInset, kPathTop + kInset, kPathWidth - 2 * kInset, kPathHeight - kInset - low);
+    const Projection to_page = fit(view, samples, x + kInset, kPathTop + kInset, kPathWidth - 2 * kInset,
+                                   kPathHeight - kInset - low);
     draw_path(page, to_page, samples, side, scale_um, x, kPathTop);
     page.text({x, kPathTop - 9},
-              fmt::format("{}: {} (ring: worst place)", side == Side::before ? "Before" : "After", numbers(side == Side::before ? verify.before : verify.after)),
+              fmt::format("{}: {} (ring: worst place)", side == Side::before ? "Before" : "After",
+                          numbers(side == Side::before ? verify.before : verify.after)),
               {.size = 14, .bold = true});
   }
   draw_colour_bar(page, scale_um, 1032, kPathTop + 30, kPathHeight - 60);
-  draw_strip(page, strip_data(verify.samples, Side::before), kBeforeTop, "Before, along the path", std::nullopt, false);
-  draw_strip(page, strip_data(verify.samples, Side::after), kAfterTop, "After, along the path (own scale)", verify.allowed / um, true);
+  draw_strip(page, strip_data(verify.samples, Side::before), kBeforeTop, "Before, along the path",
+             std::nullopt, false);
+  draw_strip(page, strip_data(verify.samples, Side::after), kAfterTop, "After, along the path (own scale)",
+             verify.allowed / um, true);
   return page.finish(title, source);
 }
 

@@ -68,14 +68,16 @@ std::vector<std::string> header_lines(const ProgramReport& report) {
   std::string source = fmt::format("{} SRC {}", report.program_version, name_of_file(report.input_name));
   const bool rewritten = report.rewrite != nullptr;
   if (rewritten && report.rewrite->lines_in > 0) {
-    source += fmt::format(" LINES {} SHA256 {}", report.rewrite->lines_in, report.rewrite->sha256_in.substr(0, kHashDigits));
+    source += fmt::format(" LINES {} SHA256 {}", report.rewrite->lines_in,
+                          report.rewrite->sha256_in.substr(0, kHashDigits));
   }
   add_comment(lines, source);
-  add_comment(lines, fmt::format("MACHINE {} {}{} SHA256 {}", machine.name, calibration.machine_id.empty() ? "" : "ID ",
-                                 calibration.machine_id, machine.sha256.substr(0, kHashDigits)));
+  add_comment(lines, fmt::format("MACHINE {} {}{} SHA256 {}", machine.name,
+                                 calibration.machine_id.empty() ? "" : "ID ", calibration.machine_id,
+                                 machine.sha256.substr(0, kHashDigits)));
   if (!calibration.date.empty() || !calibration.valid_to.empty()) {
-    add_comment(lines, fmt::format("CALIBRATED {} {}{}", calibration.date, calibration.valid_to.empty() ? "" : "VALID TO ",
-                                   calibration.valid_to));
+    add_comment(lines, fmt::format("CALIBRATED {} {}{}", calibration.date,
+                                   calibration.valid_to.empty() ? "" : "VALID TO ", calibration.valid_to));
   }
   if (!calibration.control_compensation.empty()) {
     add_comment(lines, fmt::format("CONTROL AS CALIBRATED: {}", calibration.control_compensation));
@@ -83,19 +85,24 @@ std::vector<std::string> header_lines(const ProgramReport& report) {
   for (std::size_t i = 0; i < report.setup.work_offsets.size(); ++i) {
     if (!report.setup.work_offsets[i]) continue;
     const WorkOffset& offset = *report.setup.work_offsets[i];
-    std::string text = fmt::format("{} X{:.3f} Y{:.3f} Z{:.3f}", work_offset_name(i), offset.origin[0], offset.origin[1], offset.origin[2]);
+    std::string text = fmt::format("{} X{:.3f} Y{:.3f} Z{:.3f}", work_offset_name(i), offset.origin[0],
+                                   offset.origin[1], offset.origin[2]);
     if (offset.rotation != 0) text += fmt::format(" R{:.4f}", offset.rotation / deg);
     add_comment(lines, text);
   }
   // Only lengths that somebody stated: the others are the machine file's, which the hash names.
-  for (const auto& [number, gauge] : report.setup.gauges) add_comment(lines, fmt::format("T{} GAUGE {:.3f} MM", number, gauge));
+  for (const auto& [number, gauge] : report.setup.gauges)
+    add_comment(lines, fmt::format("T{} GAUGE {:.3f} MM", number, gauge));
   for (const auto& [number, tool] : report.setup.tools) {
     if (report.setup.gauges.contains(number)) continue;
-    add_comment(lines, fmt::format("T{} GAUGE {:.3f} MM", number, gauge_length(report.setup, machine, number).length));
+    add_comment(lines, fmt::format("T{} GAUGE {:.3f} MM", number,
+                                   gauge_length(report.setup, machine, number).length));
   }
-  for (const auto& [name, value] : report.environment) add_comment(lines, fmt::format("{} = {:.6g}", name, value));
-  std::string terms = fmt::format("DATUM {} TOLERANCE {:g} UM", report.datum == DatumRule::probed ? "PROBED" : "IDEAL",
-                                    report.tolerance / um);
+  for (const auto& [name, value] : report.environment)
+    add_comment(lines, fmt::format("{} = {:.6g}", name, value));
+  std::string terms =
+      fmt::format("DATUM {} TOLERANCE {:g} UM", report.datum == DatumRule::probed ? "PROBED" : "IDEAL",
+                  report.tolerance / um);
   if (calibration.temperature) terms = fmt::format("TEMP {:.1f} C {}", *calibration.temperature, terms);
   add_comment(lines, terms);
   return lines;

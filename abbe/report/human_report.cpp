@@ -17,13 +17,16 @@ std::string length_um(double length) {
   return std::abs(value) >= 10 ? fmt::format("{:.1f}", value) : fmt::format("{:.3f}", value);
 }
 
-std::string line(std::string_view name, std::string_view text) { return fmt::format("  {:<12} {}\n", name, text); }
+std::string line(std::string_view name, std::string_view text) {
+  return fmt::format("  {:<12} {}\n", name, text);
+}
 
 std::string deviation_text(const DeviationSummary& summary) {
   std::string text = fmt::format("max {} um", length_um(summary.max));
   if (summary.max_line > 0) text += fmt::format(" (line {})", summary.max_line);
-  return text + fmt::format(", rms {} um, worst x {} y {} z {} um", length_um(summary.rms), length_um(summary.max_component[0]),
-                            length_um(summary.max_component[1]), length_um(summary.max_component[2]));
+  return text + fmt::format(", rms {} um, worst x {} y {} z {} um", length_um(summary.rms),
+                            length_um(summary.max_component[0]), length_um(summary.max_component[1]),
+                            length_um(summary.max_component[2]));
 }
 
 std::string signed_um(const Vec3& v) {
@@ -33,33 +36,39 @@ std::string signed_um(const Vec3& v) {
 std::string verify_text(const ProgramReport& report, const VerifyReport& verify) {
   std::string text = line("before", deviation_text(verify.before));
   text += line("after", deviation_text(verify.after));
-  text += line("allowed", fmt::format("{} um ({} um tolerance, {} um for the digits of the program)", length_um(verify.allowed),
-                                      length_um(report.tolerance), length_um(verify.quantisation)));
+  text += line("allowed", fmt::format("{} um ({} um tolerance, {} um for the digits of the program)",
+                                      length_um(verify.allowed), length_um(report.tolerance),
+                                      length_um(verify.quantisation)));
   for (const DatumShift& datum : verify.datums) {
     const std::string tool = datum.tool >= 0 ? fmt::format(" T{}", datum.tool) : std::string();
-    text += line("datum", fmt::format("{}{}: {} belong to the position of the part and stay", datum.frame, tool,
-                                      signed_um(datum.removed)));
+    text += line("datum", fmt::format("{}{}: {} belong to the position of the part and stay", datum.frame,
+                                      tool, signed_um(datum.removed)));
   }
   if (verify.lost_motion > 0 && !report.reversal) {
-    text += line("lost motion", fmt::format("up to {} um depend on the direction of approach and stay", length_um(verify.lost_motion)));
+    text += line("lost motion", fmt::format("up to {} um depend on the direction of approach and stay",
+                                            length_um(verify.lost_motion)));
   }
-  text += line("compared", fmt::format("{} feed motions over {:.0f} mm, {} rapids, {} other events", verify.feed_motions,
-                                       verify.path_length, verify.rapid_motions, verify.events));
+  text += line("compared",
+               fmt::format("{} feed motions over {:.0f} mm, {} rapids, {} other events", verify.feed_motions,
+                           verify.path_length, verify.rapid_motions, verify.events));
   return text;
 }
 
 std::string rewrite_text(const RewriteReport& rewrite) {
-  std::string text = line("blocks", fmt::format("{} move: {} rewritten, {} split, {} passed; arcs {} -> {}", rewrite.blocks.motion,
-                                                rewrite.blocks.rewritten, rewrite.blocks.split, rewrite.blocks.passed,
-                                                rewrite.arcs_in, rewrite.arcs_out));
+  std::string text =
+      line("blocks", fmt::format("{} move: {} rewritten, {} split, {} passed; arcs {} -> {}",
+                                 rewrite.blocks.motion, rewrite.blocks.rewritten, rewrite.blocks.split,
+                                 rewrite.blocks.passed, rewrite.arcs_in, rewrite.arcs_out));
   std::string most;
   for (std::size_t i = 0; i < 3; ++i) {
-    most += fmt::format("{}{} {} um (line {})", i == 0 ? "" : ", ", "xyz"[i], length_um(rewrite.max_correction[i]),
-                        rewrite.max_line[i]);
+    most += fmt::format("{}{} {} um (line {})", i == 0 ? "" : ", ", "xyz"[i],
+                        length_um(rewrite.max_correction[i]), rewrite.max_line[i]);
   }
-  text += line("corrections", fmt::format("{}; steepest {:.0f} um/m", most, rewrite.max_gradient / um * metre));
+  text +=
+      line("corrections", fmt::format("{}; steepest {:.0f} um/m", most, rewrite.max_gradient / um * metre));
   if (rewrite.cycle_residual > 0) {
-    text += line("cycles", fmt::format("inside drilling cycles up to {} um remain", length_um(rewrite.cycle_residual)));
+    text += line("cycles",
+                 fmt::format("inside drilling cycles up to {} um remain", length_um(rewrite.cycle_residual)));
   }
   return text;
 }
@@ -76,11 +85,16 @@ std::string machine_text(const Machine& machine) {
 /// The sentence a person needs first.
 std::string verdict(const ProgramReport& report) {
   switch (result_of(report)) {
-    case ProgramResult::refused: return "refused: the program is not safely understood; nothing is written";
-    case ProgramResult::outside: return "outside the calibrated volume or the travels; nothing is written";
-    case ProgramResult::disagrees: return "the programs DISAGREE: do not run the output";
-    case ProgramResult::stopped: return "stopped; nothing is written";
-    case ProgramResult::verified: break;
+    case ProgramResult::refused:
+      return "refused: the program is not safely understood; nothing is written";
+    case ProgramResult::outside:
+      return "outside the calibrated volume or the travels; nothing is written";
+    case ProgramResult::disagrees:
+      return "the programs DISAGREE: do not run the output";
+    case ProgramResult::stopped:
+      return "stopped; nothing is written";
+    case ProgramResult::verified:
+      break;
   }
   return "verified: path, events and feeds agree with the original";
 }
@@ -88,8 +102,9 @@ std::string verdict(const ProgramReport& report) {
 }  // namespace
 
 std::string human_report(const ProgramReport& report) {
-  std::string text = report.output_name.empty() ? report.input_name
-                                                : fmt::format("{} -> {}", report.input_name, report.output_name);
+  std::string text = report.output_name.empty()
+                         ? report.input_name
+                         : fmt::format("{} -> {}", report.input_name, report.output_name);
   text += fmt::format("\n  {}\n", verdict(report));
   const ProgramResult result = result_of(report);
   const bool has_numbers = result == ProgramResult::verified || result == ProgramResult::disagrees;
@@ -105,7 +120,8 @@ std::string human_report(const ProgramReport& report) {
   };
   if (report.rewrite != nullptr) count(report.rewrite->diagnostics);
   if (report.verify != nullptr) count(report.verify->diagnostics);
-  if (errors + warnings > 0) text += line("look at", fmt::format("{} errors, {} warnings above", errors, warnings));
+  if (errors + warnings > 0)
+    text += line("look at", fmt::format("{} errors, {} warnings above", errors, warnings));
   return text;
 }
 

@@ -16,7 +16,8 @@ namespace {
 
 using Layout = JsonWriter::Layout;
 
-void write_facts(JsonWriter& json, std::string_view name, const std::string& file, const ProgramFacts& facts) {
+void write_facts(JsonWriter& json, std::string_view name, const std::string& file,
+                 const ProgramFacts& facts) {
   json.key(name).begin_object();
   json.member("name", file).member("lines", facts.lines).member("bytes", facts.bytes);
   json.member("sha256", facts.sha256).end();
@@ -24,14 +25,18 @@ void write_facts(JsonWriter& json, std::string_view name, const std::string& fil
 
 ProgramFacts input_facts(const ProgramReport& report) {
   if (report.verify != nullptr) return report.verify->original;
-  if (report.rewrite != nullptr) return {report.rewrite->lines_in, report.rewrite->bytes_in, report.rewrite->sha256_in};
+  if (report.rewrite != nullptr)
+    return {report.rewrite->lines_in, report.rewrite->bytes_in, report.rewrite->sha256_in};
   return {};
 }
 
 void write_deviation(JsonWriter& json, std::string_view name, const DeviationSummary& summary) {
   json.key(name).begin_object();
-  json.member("max_um", summary.max / um).member("rms_um", summary.rms / um).member("max_line", summary.max_line);
-  json.member("max_component_um", Vec3(summary.max_component[0], summary.max_component[1], summary.max_component[2]) / um);
+  json.member("max_um", summary.max / um)
+      .member("rms_um", summary.rms / um)
+      .member("max_line", summary.max_line);
+  json.member("max_component_um",
+              Vec3(summary.max_component[0], summary.max_component[1], summary.max_component[2]) / um);
   json.end();
 }
 
@@ -39,10 +44,14 @@ void write_machine(JsonWriter& json, const Machine& machine) {
   const Calibration& calibration = machine.calibration;
   json.key("machine").begin_object();
   json.member("name", machine.name).member("id", calibration.machine_id).member("sha256", machine.sha256);
-  json.member("chain", machine.chain).member("date", calibration.date).member("valid_to", calibration.valid_to).end();
+  json.member("chain", machine.chain)
+      .member("date", calibration.date)
+      .member("valid_to", calibration.valid_to)
+      .end();
   json.key("calibration").begin_object();
   json.member("date", calibration.date).member("machine_id", calibration.machine_id);
-  json.member("valid_to", calibration.valid_to).member("control_compensation", calibration.control_compensation);
+  json.member("valid_to", calibration.valid_to)
+      .member("control_compensation", calibration.control_compensation);
   json.key("temperature_degc");
   if (calibration.temperature) {
     json.value(*calibration.temperature);
@@ -55,9 +64,12 @@ void write_machine(JsonWriter& json, const Machine& machine) {
 
 std::string_view model_name(ErrorModel model) {
   switch (model) {
-    case ErrorModel::linear: return "linear";
-    case ErrorModel::first_order: return "first-order";
-    case ErrorModel::rigid: break;
+    case ErrorModel::linear:
+      return "linear";
+    case ErrorModel::first_order:
+      return "first-order";
+    case ErrorModel::rigid:
+      break;
   }
   return "rigid";
 }
@@ -65,7 +77,8 @@ std::string_view model_name(ErrorModel model) {
 void write_settings(JsonWriter& json, const ProgramReport& report) {
   json.key("settings").begin_object();
   json.member("dialect", report.dialect).member("model", model_name(report.model));
-  json.member("datum", report.datum == DatumRule::probed ? "probed" : "ideal").member("reversal", report.reversal);
+  json.member("datum", report.datum == DatumRule::probed ? "probed" : "ideal")
+      .member("reversal", report.reversal);
   json.member("tolerance_um", report.tolerance / um).member("max_correction_um", report.max_correction / um);
   json.key("environment").begin_object(Layout::one_line);
   for (const auto& [name, value] : report.environment) json.member(name, value);
@@ -75,7 +88,8 @@ void write_settings(JsonWriter& json, const ProgramReport& report) {
     if (!report.setup.work_offsets[i]) continue;
     const WorkOffset& offset = *report.setup.work_offsets[i];
     json.begin_object(Layout::one_line);
-    json.member("frame", work_offset_name(i)).member("origin_mm", Vec3(offset.origin[0], offset.origin[1], offset.origin[2]));
+    json.member("frame", work_offset_name(i))
+        .member("origin_mm", Vec3(offset.origin[0], offset.origin[1], offset.origin[2]));
     json.member("rotation_rad", offset.rotation).end();
   }
   json.end();
@@ -156,26 +170,32 @@ std::string_view work_offset_name(std::size_t index) {
 ProgramResult result_of(const ProgramReport& report) {
   const RewriteReport* rewrite = report.rewrite;
   const VerifyReport* verify = report.verify;
-  if ((rewrite != nullptr && rewrite->stopped) || (verify != nullptr && verify->stopped)) return ProgramResult::stopped;
+  if ((rewrite != nullptr && rewrite->stopped) || (verify != nullptr && verify->stopped))
+    return ProgramResult::stopped;
   if (rewrite != nullptr && !rewrite->complete) {
     return rewrite->out_of_volume ? ProgramResult::outside : ProgramResult::refused;
   }
   if (verify == nullptr) return ProgramResult::refused;
   if (verify->agrees) return ProgramResult::verified;
   // A program the verifying reader does not understand is refused, not found wrong.
-  const bool refused = std::any_of(verify->diagnostics.begin(), verify->diagnostics.end(), [](const Diagnostic& d) {
-    return d.severity == Severity::error && d.code.starts_with("E-");
-  });
+  const bool refused = std::any_of(
+      verify->diagnostics.begin(), verify->diagnostics.end(),
+      [](const Diagnostic& d) { return d.severity == Severity::error && d.code.starts_with("E-"); });
   return refused ? ProgramResult::refused : ProgramResult::disagrees;
 }
 
 std::string_view to_string(ProgramResult result) {
   switch (result) {
-    case ProgramResult::refused: return "refused";
-    case ProgramResult::outside: return "outside";
-    case ProgramResult::disagrees: return "disagrees";
-    case ProgramResult::stopped: return "stopped";
-    case ProgramResult::verified: break;
+    case ProgramResult::refused:
+      return "refused";
+    case ProgramResult::outside:
+      return "outside";
+    case ProgramResult::disagrees:
+      return "disagrees";
+    case ProgramResult::stopped:
+      return "stopped";
+    case ProgramResult::verified:
+      break;
   }
   return "verified";
 }
@@ -201,7 +221,10 @@ std::string json_report(const ProgramReport& report) {
     json.member("allowed_um", verify.allowed / um).member("lost_motion_um", verify.lost_motion / um);
     json.key("compared").begin_object(Layout::one_line);
     json.member("feed_motions", verify.feed_motions).member("rapid_motions", verify.rapid_motions);
-    json.member("points", verify.points).member("events", verify.events).member("feed_path_mm", verify.path_length).end();
+    json.member("points", verify.points)
+        .member("events", verify.events)
+        .member("feed_path_mm", verify.path_length)
+        .end();
     if (report.limit) json.member("pass", verify.agrees && verify.after.max <= *report.limit);
   } else {
     for (const char* name : {"before", "after", "quantisation_um"}) json.key(name).null();
@@ -214,7 +237,11 @@ std::string json_report(const ProgramReport& report) {
     json.key("blocks").begin_object(Layout::one_line);
     json.member("motion", rewrite.blocks.motion).member("rewritten", rewrite.blocks.rewritten);
     json.member("split", rewrite.blocks.split).member("passed", rewrite.blocks.passed).end();
-    json.key("arcs").begin_object(Layout::one_line).member("in", rewrite.arcs_in).member("out", rewrite.arcs_out).end();
+    json.key("arcs")
+        .begin_object(Layout::one_line)
+        .member("in", rewrite.arcs_in)
+        .member("out", rewrite.arcs_out)
+        .end();
     json.key("corrections").begin_object();
     const auto& most = rewrite.max_correction;
     json.member("max_um", Vec3(most[0], most[1], most[2]) / um);

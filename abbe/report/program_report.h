@@ -28,9 +28,10 @@ struct ProgramReport {
   std::string dialect = "linuxcnc";
   DatumRule datum = DatumRule::probed;
   bool reversal = false;
-  double tolerance = 0;                    ///< mm
-  double max_correction = 0;               ///< mm
-  std::optional<double> limit;             ///< mm: --limit-um; `pass` says whether the largest remaining deviation keeps it
+  double tolerance = 0;       ///< mm
+  double max_correction = 0;  ///< mm
+  std::optional<double>
+      limit;  ///< mm: --limit-um; `pass` says whether the largest remaining deviation keeps it
 };
 
 /// How the run ended, in one word for reports.

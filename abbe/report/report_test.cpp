@@ -189,9 +189,10 @@ TEST_F(Report, EveryHeaderLineIsShortAndPlain) {
 TEST_F(Report, HeaderNamesItsOrigins) {
   std::string all;
   for (const std::string& line : header_lines(report_)) all += line + "\n";
-  for (const char* part : {"SRC TEIL- 1 .NGC", "LINES 5204", "SHA256 BBBBBBBBBBBB", "ID 17", "CALIBRATED 2026-03-02", "VALID TO 2026-09-02",
-                           "PITCH ON, VOLUMETRIC OFF", "G54 X-412.000 Y-201.500 Z-388.250", "T3 GAUGE 112.400 MM", "TEMP 20.5 C",
-                           "TOLERANCE 1 UM", "AFTER 0.31 UM", "Z 22.7 UM"}) {
+  for (const char* part :
+       {"SRC TEIL- 1 .NGC", "LINES 5204", "SHA256 BBBBBBBBBBBB", "ID 17", "CALIBRATED 2026-03-02",
+        "VALID TO 2026-09-02", "PITCH ON, VOLUMETRIC OFF", "G54 X-412.000 Y-201.500 Z-388.250",
+        "T3 GAUGE 112.400 MM", "TEMP 20.5 C", "TOLERANCE 1 UM", "AFTER 0.31 UM", "Z 22.7 UM"}) {
     EXPECT_NE(all.find(part), std::string::npos) << part << " in\n" << all;
   }
 }
@@ -207,7 +208,7 @@ void expect_well_formed(const std::string& svg) {
   };
   EXPECT_EQ(count("<svg"), count("</svg>"));
   EXPECT_EQ(count("<text"), count("</text>"));
-  EXPECT_EQ(count("<polyline"), count("\"/>") - count("<line") - count("<circle") - count("<rect"));
+  EXPECT_EQ(count("<path"), count("\"/>") - count("<line") - count("<circle") - count("<rect"));
   EXPECT_EQ(count("<script"), 0U);
 }
 
@@ -219,7 +220,8 @@ TEST_F(Report, FigureIsWellFormedForAnySamples) {
     const double size = std::pow(10, 6 * unit(random)), where = std::pow(10, 5 * unit(random));
     for (std::size_t i = 0, n = random() % 30; i < n; ++i) {
       PathSample s;
-      s.position = Vec3(where + size * unit(random), size * unit(random) * (k % 3), size * unit(random) * (k % 2));
+      s.position =
+          Vec3(where + size * unit(random), size * unit(random) * (k % 3), size * unit(random) * (k % 2));
       s.travelled = static_cast<double>(i) * size;
       s.before = Vec3(unit(random), unit(random), 0) * (k % 5 == 0 ? 0 : 1e-2);
       if (k % 7 == 0 && i % 4 == 0) s.before.x() = std::numeric_limits<double>::quiet_NaN();
@@ -242,7 +244,9 @@ TEST_F(Report, FigureOfALongPathStaysSmall) {
 TEST_F(Report, FigureLooks) {
   const char* folder = std::getenv("ABBE_FIGURES");
   if (folder == nullptr) GTEST_SKIP() << "ABBE_FIGURES is not set";
-  const auto save = [&](const char* name) { std::ofstream(std::string(folder) + "/" + name) << figure_before_after(report_); };
+  const auto save = [&](const char* name) {
+    std::ofstream(std::string(folder) + "/" + name) << figure_before_after(report_);
+  };
   fill_samples(4000, 5);
   save("plan.svg");
   fill_samples(4000, 40);

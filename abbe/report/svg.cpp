@@ -10,9 +10,9 @@
 namespace abbe {
 namespace {
 
-/// Two decimals are finer than any printer; "-0.00" and trailing zeros are left out.
+/// One decimal is finer than any printer; "-0.0" and trailing zeros are left out.
 std::string number(double value) {
-  std::string text = fmt::format("{:.2f}", value);
+  std::string text = fmt::format("{:.1f}", value);
   while (text.back() == '0') text.pop_back();
   if (text.back() == '.') text.pop_back();
   return text == "-0" ? "0" : text;
@@ -57,46 +57,56 @@ std::string xml_text(std::string_view text) {
 SvgPage::SvgPage(double width, double height) : width_(width), height_(height) {}
 
 void SvgPage::text(PagePoint at, std::string_view text, const TextStyle& style) {
-  const char* anchor = style.anchor == Anchor::start ? "start" : style.anchor == Anchor::middle ? "middle" : "end";
-  body_ += fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"{}\" text-anchor=\"{}\" fill=\"{}\"", number(at.x), number(at.y),
-                       number(style.size), anchor, style.colour);
+  const char* anchor = style.anchor == Anchor::start    ? "start"
+                       : style.anchor == Anchor::middle ? "middle"
+                                                        : "end";
+  body_ += fmt::format("<text x=\"{}\" y=\"{}\" font-size=\"{}\" text-anchor=\"{}\" fill=\"{}\"",
+                       number(at.x), number(at.y), number(style.size), anchor, style.colour);
   if (style.bold) body_ += " font-weight=\"bold\"";
   if (style.turned != 0) {
-    body_ += fmt::format(" transform=\"rotate({} {} {})\"", number(-style.turned), number(at.x), number(at.y));
+    body_ +=
+        fmt::format(" transform=\"rotate({} {} {})\"", number(-style.turned), number(at.x), number(at.y));
   }
   body_ += fmt::format(">{}</text>\n", xml_text(text));
 }
 
 void SvgPage::line(PagePoint from, PagePoint to, const LineStyle& style) {
-  body_ += fmt::format("<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" {}/>\n", number(from.x), number(from.y), number(to.x),
-                       number(to.y), line_attributes(style));
+  body_ += fmt::format("<line x1=\"{}\" y1=\"{}\" x2=\"{}\" y2=\"{}\" {}/>\n", number(from.x), number(from.y),
+                       number(to.x), number(to.y), line_attributes(style));
 }
 
 void SvgPage::polyline(const std::vector<PagePoint>& points, const LineStyle& style) {
-  if (points.size() < 2) return;
-  body_ += "<polyline fill=\"none\" stroke-linejoin=\"round\" stroke-linecap=\"round\" ";
-  body_ += line_attributes(style);
-  body_ += " points=\"";
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (i > 0) body_ += ' ';
-    body_ += number(points[i].x) + ',' + number(points[i].y);
+  polylines({points}, style);
+}
+
+void SvgPage::polylines(const std::vector<std::vector<PagePoint>>& lines, const LineStyle& style) {
+  std::string path;
+  for (const std::vector<PagePoint>& points : lines) {
+    for (std::size_t i = 0; points.size() > 1 && i < points.size(); ++i) {
+      path += i == 0 ? (path.empty() ? "M" : " M") : i == 1 ? "L" : " ";
+      path += number(points[i].x) + ',' + number(points[i].y);
+    }
   }
-  body_ += "\"/>\n";
+  if (path.empty()) return;
+  body_ +=
+      fmt::format("<path fill=\"none\" stroke-linejoin=\"round\" stroke-linecap=\"round\" {} d=\"{}\"/>\n",
+                  line_attributes(style), path);
 }
 
 void SvgPage::dot(PagePoint centre, double radius, std::string_view colour) {
-  body_ += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{}\"/>\n", number(centre.x), number(centre.y), number(radius),
-                       colour);
+  body_ += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"{}\"/>\n", number(centre.x),
+                       number(centre.y), number(radius), colour);
 }
 
 void SvgPage::ring(PagePoint centre, double radius, const LineStyle& style) {
-  body_ += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"none\" {}/>\n", number(centre.x), number(centre.y),
-                       number(radius), line_attributes(style));
+  body_ += fmt::format("<circle cx=\"{}\" cy=\"{}\" r=\"{}\" fill=\"none\" {}/>\n", number(centre.x),
+                       number(centre.y), number(radius), line_attributes(style));
 }
 
-void SvgPage::box(PagePoint corner, double width, double height, std::string_view fill, std::string_view stroke) {
-  body_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\"", number(corner.x), number(corner.y),
-                       number(width), number(height), fill.empty() ? "none" : fill);
+void SvgPage::box(PagePoint corner, double width, double height, std::string_view fill,
+                  std::string_view stroke) {
+  body_ += fmt::format("<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"{}\"", number(corner.x),
+                       number(corner.y), number(width), number(height), fill.empty() ? "none" : fill);
   if (!stroke.empty()) body_ += fmt::format(" stroke=\"{}\" stroke-width=\"1\"", stroke);
   body_ += "/>\n";
 }
@@ -106,7 +116,8 @@ std::string SvgPage::finish(std::string_view title, std::string_view description
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n"
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" "
       "font-family=\"Helvetica, Arial, Liberation Sans, DejaVu Sans, sans-serif\">\n"
-      "<title>{2}</title>\n<desc>{3}</desc>\n<rect width=\"{0}\" height=\"{1}\" fill=\"#ffffff\"/>\n{4}</svg>\n",
+      "<title>{2}</title>\n<desc>{3}</desc>\n<rect width=\"{0}\" height=\"{1}\" "
+      "fill=\"#ffffff\"/>\n{4}</svg>\n",
       number(width_), number(height_), xml_text(title), xml_text(description), body_);
 }
 

@@ -12,7 +12,7 @@ struct PagePoint {
 };
 
 /// Builds one self-contained SVG picture: no scripts, no fonts or files from elsewhere, coordinates
-/// with two decimals, so that equal input gives equal bytes.
+/// with one decimal, so that equal input gives equal bytes.
 class SvgPage {
  public:
   SvgPage(double width, double height);
@@ -35,9 +35,12 @@ class SvgPage {
   void text(PagePoint at, std::string_view text, const TextStyle& style);
   void line(PagePoint from, PagePoint to, const LineStyle& style);
   void polyline(const std::vector<PagePoint>& points, const LineStyle& style);
+  /// Many polylines of one style in one element.
+  void polylines(const std::vector<std::vector<PagePoint>>& lines, const LineStyle& style);
   void dot(PagePoint centre, double radius, std::string_view colour);
   void ring(PagePoint centre, double radius, const LineStyle& style);
-  void box(PagePoint corner, double width, double height, std::string_view fill, std::string_view stroke = {});
+  void box(PagePoint corner, double width, double height, std::string_view fill,
+           std::string_view stroke = {});
 
   /// The whole file.
   [[nodiscard]] std::string finish(std::string_view title, std::string_view description) const;

@@ -35,18 +35,20 @@ void set_value(const Machine& machine, std::string_view option, const std::strin
                                          fmt::format("give axis positions with --at {}=...", name)));
       return;
     case NameMeaning::Kind::approach:
-      diagnostics.push_back(option_error(option, fmt::format("'{}' is a direction of approach, not a sensor", name),
+      diagnostics.push_back(option_error(option,
+                                         fmt::format("'{}' is a direction of approach, not a sensor", name),
                                          "give it with --approach"));
       return;
     case NameMeaning::Kind::unknown:
       if (name == "t") return;  // time is always known; a machine without it does not care
       if (name.starts_with("v.") || name.starts_with("a.")) {
-        diagnostics.push_back(option_error(option, fmt::format("'{}': this chain has no such moving axis", name),
+        diagnostics.push_back(option_error(option,
+                                           fmt::format("'{}': this chain has no such moving axis", name),
                                            suggestion(machine, name)));
         return;
       }
-      diagnostics.push_back(option_warning(option, fmt::format("no error of this machine depends on '{}'", name),
-                                           suggestion(machine, name)));
+      diagnostics.push_back(option_warning(
+          option, fmt::format("no error of this machine depends on '{}'", name), suggestion(machine, name)));
       return;
     default:
       environment.insert_or_assign(name, value);
@@ -129,11 +131,13 @@ void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& ses
   verb.add_option("--limit-um", arguments.limit_um, "accepted distance: reports pass or fail")
       ->check(CLI::NonNegativeNumber)
       ->type_name("UM");
-  verb.add_option("--limit-angle-deg", arguments.limit_angle_deg, "accepted tilt of the tool axis: reports pass or fail")
+  verb.add_option("--limit-angle-deg", arguments.limit_angle_deg,
+                  "accepted tilt of the tool axis: reports pass or fail")
       ->check(CLI::NonNegativeNumber)
       ->type_name("DEG");
   verb.add_flag("--strict", session.strict, "warnings and failed limits end with exit code 4");
-  verb.add_flag("--json", arguments.json, "JSON on standard output: mm, degrees for axis positions, rad for rotations");
+  verb.add_flag("--json", arguments.json,
+                "JSON on standard output: mm, degrees for axis positions, rad for rotations");
 }
 
 std::vector<std::string> split_list(std::string_view text) {
@@ -174,7 +178,8 @@ std::optional<double> option_number(std::string_view option, const std::string& 
                                     Diagnostics& diagnostics) {
   const std::optional<double> number = read_number(text);
   if (!number) {
-    diagnostics.push_back(option_error(option, fmt::format("the value of '{}' is not a number: '{}'", name, text)));
+    diagnostics.push_back(
+        option_error(option, fmt::format("the value of '{}' is not a number: '{}'", name, text)));
   }
   return number;
 }
@@ -258,10 +263,12 @@ std::optional<Setting> load_setting(const CommonArguments& arguments, Session& s
     const int axis = setting.machine.find_axis(given.name);
     const std::optional<signed char> direction = read_approach(given.text);
     if (axis < 0) {
-      diagnostics.push_back(option_error("--approach", fmt::format("this chain has no moving axis '{}'", given.name),
+      diagnostics.push_back(option_error("--approach",
+                                         fmt::format("this chain has no moving axis '{}'", given.name),
                                          suggestion(setting.machine, given.name)));
     } else if (!direction) {
-      diagnostics.push_back(option_error("--approach", fmt::format("{}={} is not a direction", given.name, given.text),
+      diagnostics.push_back(option_error("--approach",
+                                         fmt::format("{}={} is not a direction", given.name, given.text),
                                          "write + for increasing, - for decreasing, 0 for unknown"));
     } else {
       setting.approach[static_cast<std::size_t>(axis)] = *direction;
@@ -290,7 +297,8 @@ std::optional<Plan> plan_or_report(const Setting& setting, const Environment& en
     missing.place.file = setting.machine.files.empty() ? "machine" : setting.machine.files.front();
     missing.message = fmt::format("the value of '{}' is not given; needed by {}", sensor, needed_by);
     missing.why = "without it the error is unknown, and an assumed value would be a wrong correction";
-    missing.fix = fmt::format("--set {}=VALUE, a column '{}' of --points or of --environment", sensor, sensor);
+    missing.fix =
+        fmt::format("--set {}=VALUE, a column '{}' of --points or of --environment", sensor, sensor);
     session.report(missing);
   }
   return std::nullopt;
@@ -320,7 +328,8 @@ std::optional<AxisSet> free_axes_or_report(const Machine& machine, AxisSet locke
     ambiguous.place.file = machine.files.empty() ? "machine" : machine.files.front();
     ambiguous.message = "more than three linear or two rotary axes could be moved to correct";
     ambiguous.why = "many corrections would be right, and the machine can have only one";
-    ambiguous.fix = "name the axes that shall stay with --lock, or set correctable = false in the machine file";
+    ambiguous.fix =
+        "name the axes that shall stay with --lock, or set correctable = false in the machine file";
     session.report(ambiguous);
   }
   return free;
@@ -331,7 +340,8 @@ std::vector<std::string> outside_travel(const Machine& machine, const std::array
   for (int i = 0; i < machine.axis_count(); ++i) {
     const Body& axis = machine.axis(i);
     const double position = q[static_cast<std::size_t>(i)];
-    if (axis.range && (position < (*axis.range)[0] - kTravelSlack || position > (*axis.range)[1] + kTravelSlack)) {
+    if (axis.range &&
+        (position < (*axis.range)[0] - kTravelSlack || position > (*axis.range)[1] + kTravelSlack)) {
       names.push_back(axis.name);
     }
   }
@@ -340,9 +350,12 @@ std::vector<std::string> outside_travel(const Machine& machine, const std::array
 
 std::string_view to_string(ErrorModel model) {
   switch (model) {
-    case ErrorModel::linear: return "linear";
-    case ErrorModel::first_order: return "first-order";
-    case ErrorModel::rigid: break;
+    case ErrorModel::linear:
+      return "linear";
+    case ErrorModel::first_order:
+      return "first-order";
+    case ErrorModel::rigid:
+      break;
   }
   return "rigid";
 }

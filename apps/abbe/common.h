@@ -85,13 +85,16 @@ struct Setting {
                                                  Session& session);
 
 /// --lock Z1,B1 as a set; unknown names are reported.
-[[nodiscard]] AxisSet read_lock(const Machine& machine, const std::vector<std::string>& lock, Diagnostics& diagnostics);
+[[nodiscard]] AxisSet read_lock(const Machine& machine, const std::vector<std::string>& lock,
+                                Diagnostics& diagnostics);
 
 /// The axes a correction may move, or E-LOCK.
-[[nodiscard]] std::optional<AxisSet> free_axes_or_report(const Machine& machine, AxisSet locked, Session& session);
+[[nodiscard]] std::optional<AxisSet> free_axes_or_report(const Machine& machine, AxisSet locked,
+                                                         Session& session);
 
 /// Axes of q that are beyond their travel, by name.
-[[nodiscard]] std::vector<std::string> outside_travel(const Machine& machine, const std::array<double, kMaxAxes>& q);
+[[nodiscard]] std::vector<std::string> outside_travel(const Machine& machine,
+                                                      const std::array<double, kMaxAxes>& q);
 
 [[nodiscard]] std::string_view to_string(ErrorModel model);
 

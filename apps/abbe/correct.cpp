@@ -37,10 +37,12 @@ std::array<double, kMaxAxes> read_weights(const Machine& machine, const std::vec
     const int axis = machine.find_axis(given.name);
     const std::optional<double> value = option_number("--weights", given.name, given.text, diagnostics);
     if (axis < 0) {
-      diagnostics.push_back(option_error("--weights", fmt::format("this chain has no moving axis '{}'", given.name),
+      diagnostics.push_back(option_error("--weights",
+                                         fmt::format("this chain has no moving axis '{}'", given.name),
                                          suggestion(machine, given.name)));
     } else if (value && !(*value > 0)) {
-      diagnostics.push_back(option_error("--weights", fmt::format("the weight of '{}' is not positive", given.name),
+      diagnostics.push_back(option_error("--weights",
+                                         fmt::format("the weight of '{}' is not positive", given.name),
                                          "an axis that shall not move at all is named with --lock"));
     } else if (value) {
       values[static_cast<std::size_t>(axis)] = *value;
@@ -58,7 +60,8 @@ struct Tally {
   std::uint64_t outside_calibration = 0, outside_travels = 0;
   std::string first_outside_calibration, first_outside_travels;
 
-  void add(const Correction& correction, const std::vector<std::string>& outside, bool pass, const std::string& where) {
+  void add(const Correction& correction, const std::vector<std::string>& outside, bool pass,
+           const std::string& where) {
     ++points;
     if (correction.outside && outside_calibration++ == 0) first_outside_calibration = where;
     if (!outside.empty() && outside_travels++ == 0) first_outside_travels = where;
@@ -72,11 +75,14 @@ struct Tally {
                                                                  : nullptr;
     if (first != nullptr && first->empty()) *first = where;
   }
-  [[nodiscard]] std::uint64_t count(Status status) const { return by_status[static_cast<std::size_t>(status)]; }
+  [[nodiscard]] std::uint64_t count(Status status) const {
+    return by_status[static_cast<std::size_t>(status)];
+  }
 };
 
 void report_tally(const Tally& tally, Session& session) {
-  const auto finding = [&](Severity severity, const char* code, const std::string& where, std::string message) {
+  const auto finding = [&](Severity severity, const char* code, const std::string& where,
+                           std::string message) {
     Diagnostic diagnostic;
     diagnostic.severity = severity;
     diagnostic.code = code;
@@ -85,48 +91,56 @@ void report_tally(const Tally& tally, Session& session) {
     return diagnostic;
   };
   if (const std::uint64_t n = tally.count(Status::failed); n > 0) {
-    Diagnostic failed = finding(Severity::error, "E-CORRECT", tally.first_failed,
-                                fmt::format("no correction found for {} of {} points, the first here", n, tally.points));
+    Diagnostic failed =
+        finding(Severity::error, "E-CORRECT", tally.first_failed,
+                fmt::format("no correction found for {} of {} points, the first here", n, tally.points));
     failed.why = "the iteration did not settle; the command is given back unchanged";
     session.report(failed, Exit::refused);
   }
   if (tally.outside_calibration > 0) {
-    Diagnostic outside = finding(Severity::error, "E-VOL", tally.first_outside_calibration,
-                                 fmt::format("{} of {} points are outside the calibrated volume, the first here",
-                                             tally.outside_calibration, tally.points));
+    Diagnostic outside =
+        finding(Severity::error, "E-VOL", tally.first_outside_calibration,
+                fmt::format("{} of {} points are outside the calibrated volume, the first here",
+                            tally.outside_calibration, tally.points));
     outside.why = "an error was held at the end of its table, where nobody has measured";
     session.report(outside, Exit::outside);
   }
   if (tally.outside_travels > 0) {
     session.report(finding(Severity::error, "E-TRAVEL", tally.first_outside_travels,
-                           fmt::format("{} of {} points are outside the travels, the first here", tally.outside_travels,
-                                       tally.points)),
+                           fmt::format("{} of {} points are outside the travels, the first here",
+                                       tally.outside_travels, tally.points)),
                    Exit::outside);
   }
   if (const std::uint64_t n = tally.count(Status::degraded); n > 0) {
-    Diagnostic degraded =
-        finding(Severity::warning, "W-DEGRADED", tally.first_degraded,
-                fmt::format("an axis was held at its command for {} of {} points, the first here", n, tally.points));
-    degraded.why = "the correction would leave the travel, or, near a singularity, turn a rotary axis far for a small tilt";
+    Diagnostic degraded = finding(
+        Severity::warning, "W-DEGRADED", tally.first_degraded,
+        fmt::format("an axis was held at its command for {} of {} points, the first here", n, tally.points));
+    degraded.why =
+        "the correction would leave the travel, or, near a singularity, turn a rotary axis far for a small "
+        "tilt";
     degraded.fix = "see residual.direction; --max-rotary-correction sets how far a rotary axis may be moved";
     session.report(degraded);
   }
   if (const std::uint64_t n = tally.count(Status::partial); n > 0) {
     Diagnostic partial = finding(
         Severity::warning, "W-PARTIAL", tally.first_partial,
-        fmt::format("only a part of the position can be corrected for {} of {} points, the first here", n, tally.points));
-    partial.why = fmt::format("an axis is missing or locked; up to {:.3f} um remain", tally.max_distance / um);
+        fmt::format("only a part of the position can be corrected for {} of {} points, the first here", n,
+                    tally.points));
+    partial.why =
+        fmt::format("an axis is missing or locked; up to {:.3f} um remain", tally.max_distance / um);
     session.report(partial);
   }
 }
 
-void write_json_point(JsonWriter& json, const Setting& setting, const Query& query, const Correction& correction,
-                      const std::vector<std::string>& outside, bool pass) {
+void write_json_point(JsonWriter& json, const Setting& setting, const Query& query,
+                      const Correction& correction, const std::vector<std::string>& outside, bool pass) {
   json.begin_object(Layout::one_line);
   write_positions(json, "commanded", setting.machine, query.q);
   write_positions(json, "corrected", setting.machine, correction.corrected);
   json.key("residual").begin_object();
-  json.member("position_mm", correction.residual_position).member("direction_rad", correction.residual_direction).end();
+  json.member("position_mm", correction.residual_position)
+      .member("direction_rad", correction.residual_direction)
+      .end();
   json.member("status", abbe::to_string(correction.status)).member("iterations", correction.iterations);
   json.member("outside_calibration", correction.outside).member("outside_travel", outside);
   std::vector<std::string> held;
@@ -149,8 +163,8 @@ std::string change_text(const Body& axis, double change) {
 std::string block_text(const Setting& setting, const Query& query, const Correction& correction,
                        const std::vector<std::string>& outside, bool pass) {
   const Machine& machine = setting.machine;
-  std::string text = fmt::format("machine      {} ({} model, {} errors)\n\n", machine.name, to_string(setting.model),
-                                 machine.errors.size());
+  std::string text = fmt::format("machine      {} ({} model, {} errors)\n\n", machine.name,
+                                 to_string(setting.model), machine.errors.size());
   text += fmt::format("{:<6}{:>18}{:>18}{:>5}{:>14}\n", "axis", "commanded", "corrected", "", "change");
   for (int i = 0; i < machine.axis_count(); ++i) {
     const Body& axis = machine.axis(i);
@@ -161,10 +175,13 @@ std::string block_text(const Setting& setting, const Query& query, const Correct
                         rotary ? "deg" : "mm", change_text(axis, correction.corrected[k] - query.q[k]),
                         (correction.held >> i & 1U) != 0 ? "  held" : "");
   }
-  text += fmt::format("\nstatus       {} after {} iterations\n", abbe::to_string(correction.status), correction.iterations);
-  text += fmt::format("remains      {:.6f} um, tool axis {:.3f} urad = {:.3f} arcsec\n", correction.residual_position / um,
-                      correction.residual_direction / urad, correction.residual_direction / arcsec);
-  if (correction.outside) text += "outside      the calibrated volume: an error was held beyond its last value\n";
+  text += fmt::format("\nstatus       {} after {} iterations\n", abbe::to_string(correction.status),
+                      correction.iterations);
+  text += fmt::format("remains      {:.6f} um, tool axis {:.3f} urad = {:.3f} arcsec\n",
+                      correction.residual_position / um, correction.residual_direction / urad,
+                      correction.residual_direction / arcsec);
+  if (correction.outside)
+    text += "outside      the calibrated volume: an error was held beyond its last value\n";
   if (!outside.empty()) {
     text += "outside      the travel of";
     for (const std::string& name : outside) text += " " + name;
@@ -195,8 +212,8 @@ std::string table_row(const Setting& setting, const Query& query, const Correcti
     text += fmt::format("{:>15.6f}{:>+13.3f}", json_position(axis, correction.corrected[k]),
                         (correction.corrected[k] - query.q[k]) / (rotary ? urad : um));
   }
-  text += fmt::format("{:>13.6f}{:>12.3f}  {}", correction.residual_position / um, correction.residual_direction / urad,
-                      abbe::to_string(correction.status));
+  text += fmt::format("{:>13.6f}{:>12.3f}  {}", correction.residual_position / um,
+                      correction.residual_direction / urad, abbe::to_string(correction.status));
   if (setting.limits.given()) text += pass ? "  pass" : "  FAIL";
   if (correction.outside) text += "  outside the calibrated volume";
   for (std::size_t i = 0; i < outside.size(); ++i) text += (i == 0 ? "  outside travel: " : " ") + outside[i];
@@ -219,7 +236,8 @@ void correct_points(const CorrectArguments& arguments, Session& session) {
   // A weight asks for an axis that the rule for redundant ones would lock.
   for (int i = 0; i < setting->machine.axis_count(); ++i) {
     const AxisSet bit = AxisSet{1} << i;
-    if (options.weights[static_cast<std::size_t>(i)] > 0 && setting->machine.axis(i).correctable && !(options.locked & bit)) {
+    if (options.weights[static_cast<std::size_t>(i)] > 0 && setting->machine.axis(i).correctable &&
+        !(options.locked & bit)) {
       *free |= bit;
     }
   }
@@ -231,7 +249,10 @@ void correct_points(const CorrectArguments& arguments, Session& session) {
   if (as_json) {
     json.begin_object();
     write_preamble(json, "correct", setting->machine);
-    json.member("model", to_string(setting->model)).member("method", arguments.method).key("points").begin_array();
+    json.member("model", to_string(setting->model))
+        .member("method", arguments.method)
+        .key("points")
+        .begin_array();
   } else if (!source->single()) {
     session.out.write(table_heading(*setting));
   }
@@ -273,13 +294,13 @@ void correct_points(const CorrectArguments& arguments, Session& session) {
     json.member("complete", complete).end();
     session.out.write(json.take());
   } else if (!source->single() && complete && tally.points > 0) {
-    session.out.write(fmt::format("\n{} points: {} ok, {} partial, {} degraded, {} failed; at most {:.6f} um and {:.3f} urad remain\n",
-                                  tally.points, tally.count(Status::ok), tally.count(Status::partial),
-                                  tally.count(Status::degraded), tally.count(Status::failed), tally.max_distance / um,
-                                  tally.max_angle / urad));
+    session.out.write(fmt::format(
+        "\n{} points: {} ok, {} partial, {} degraded, {} failed; at most {:.6f} um and {:.3f} urad remain\n",
+        tally.points, tally.count(Status::ok), tally.count(Status::partial), tally.count(Status::degraded),
+        tally.count(Status::failed), tally.max_distance / um, tally.max_angle / urad));
     if (setting->limits.given()) {
-      session.out.write(fmt::format("{}: {} of {} points within the limits\n", pass ? "pass" : "FAIL", tally.passed,
-                                    tally.points));
+      session.out.write(fmt::format("{}: {} of {} points within the limits\n", pass ? "pass" : "FAIL",
+                                    tally.passed, tally.points));
     }
   }
 }
@@ -287,20 +308,26 @@ void correct_points(const CorrectArguments& arguments, Session& session) {
 }  // namespace
 
 Verb correct_verb(CLI::App& program, Session& session) {
-  CLI::App* command = program.add_subcommand("correct", "commands that bring the tool where it was meant to be");
+  CLI::App* command =
+      program.add_subcommand("correct", "commands that bring the tool where it was meant to be");
   auto arguments = std::make_shared<CorrectArguments>();
   add_common_options(*command, arguments->common, session);
   add_point_options(*command, arguments->points);
-  command->add_option("--method", arguments->method, "newton iterates (default), one-step is the differential step")
+  command
+      ->add_option("--method", arguments->method,
+                   "newton iterates (default), one-step is the differential step")
       ->check(CLI::IsMember({"newton", "one-step"}));
   command->add_option("--lock", arguments->lock, "axes that stay at their command: Z1,B1")
       ->type_name("AXIS,..")
       ->allow_extra_args(false);
-  command->add_option("--weights", arguments->weights, "redundant axes: sum (weight dq)^2 is least, dq in mm and rad: X=1,U=3")
+  command
+      ->add_option("--weights", arguments->weights,
+                   "redundant axes: sum (weight dq)^2 is least, dq in mm and rad: X=1,U=3")
       ->type_name("AXIS=WEIGHT,..")
       ->allow_extra_args(false);
-  command->add_option("--max-rotary-correction", arguments->max_rotary_correction_deg,
-                      "beyond it a rotary axis is held at its command (0.5)")
+  command
+      ->add_option("--max-rotary-correction", arguments->max_rotary_correction_deg,
+                   "beyond it a rotary axis is held at its command (0.5)")
       ->check(CLI::PositiveNumber)
       ->type_name("DEG");
   return {command, [arguments, &session] { correct_points(*arguments, session); }};

@@ -25,7 +25,8 @@ FileResult<CsvReader> CsvReader::open(const std::string& path) {
   }
   FileResult<LineReader> lines = LineReader::open(spooled ? spooled->path() : path);
   if (auto* error = std::get_if<FileError>(&lines)) return std::move(*error);
-  CsvReader reader(path == "-" ? "<stdin>" : path, std::move(spooled), std::move(std::get<LineReader>(lines)));
+  CsvReader reader(path == "-" ? "<stdin>" : path, std::move(spooled),
+                   std::move(std::get<LineReader>(lines)));
   if (!reader.read_line() || is_blank(reader.row_)) {
     if (!reader.failed()) {
       reader.failure_ = reader.error_at_line("E-CSV", "no header row");
@@ -128,8 +129,9 @@ std::optional<double> CsvReader::number(std::size_t column) {
   const std::optional<double> value = read_number(cell);
   if (!value) {
     const std::string where = fmt::format("in column '{}'", header_[column]);
-    fail_at(column, "E-CELL",
-            cell.empty() ? fmt::format("an empty cell {}", where) : fmt::format("not a finite number {}", where));
+    fail_at(
+        column, "E-CELL",
+        cell.empty() ? fmt::format("an empty cell {}", where) : fmt::format("not a finite number {}", where));
   }
   return value;
 }

@@ -18,9 +18,12 @@ namespace {
 
 std::string_view type_name(AxisType type) {
   switch (type) {
-    case AxisType::rotary: return "rotary";
-    case AxisType::fixed: return "fixed";
-    case AxisType::linear: break;
+    case AxisType::rotary:
+      return "rotary";
+    case AxisType::fixed:
+      return "fixed";
+    case AxisType::linear:
+      break;
   }
   return "linear";
 }
@@ -46,18 +49,21 @@ std::string meaning_of_errors(const Machine& machine, std::size_t body) {
   });
   if (!carries) return "no component, thermal or dynamic error is given";
   if (axis.branch == Branch::tool) {
-    return fmt::format("values are errors of the {} body, which carries the tool: a positive EX{} puts the tool "
-                       "too far in +x of the workpiece",
-                       axis.name, axis.name);
+    return fmt::format(
+        "values are errors of the {} body, which carries the tool: a positive EX{} puts the tool "
+        "too far in +x of the workpiece",
+        axis.name, axis.name);
   }
   if (axis.errors_seen_at_tool) {
-    return fmt::format("values are errors of the tool as seen from the workpiece on {}: a positive EX{} means that "
-                       "the tool is too far in +x of the workpiece",
-                       axis.name, axis.name);
+    return fmt::format(
+        "values are errors of the tool as seen from the workpiece on {}: a positive EX{} means that "
+        "the tool is too far in +x of the workpiece",
+        axis.name, axis.name);
   }
-  return fmt::format("values are errors of the {} body, which carries the workpiece: a positive EX{} puts the "
-                     "workpiece too far in +x, so the tool is too far in -x of the workpiece",
-                     axis.name, axis.name);
+  return fmt::format(
+      "values are errors of the {} body, which carries the workpiece: a positive EX{} puts the "
+      "workpiece too far in +x, so the tool is too far in -x of the workpiece",
+      axis.name, axis.name);
 }
 
 void write_json(const Setting& setting, Session& session) {
@@ -84,7 +90,9 @@ void write_json(const Setting& setting, Session& session) {
   for (std::size_t i = 0; i < machine.bodies.size(); ++i) {
     const Body& axis = machine.bodies[i];
     json.begin_object(Layout::one_line);
-    json.member("name", axis.name).member("type", type_name(axis.type)).member("branch", branch_name(axis.branch));
+    json.member("name", axis.name)
+        .member("type", type_name(axis.type))
+        .member("branch", branch_name(axis.branch));
     if (axis.type == AxisType::fixed) {
       json.key("direction").null();
     } else {
@@ -93,7 +101,8 @@ void write_json(const Setting& setting, Session& session) {
     json.member("origin_mm", axis.origin);
     json.key("range");
     if (axis.range) {
-      const std::array<double, 2> range = {json_position(axis, (*axis.range)[0]), json_position(axis, (*axis.range)[1])};
+      const std::array<double, 2> range = {json_position(axis, (*axis.range)[0]),
+                                           json_position(axis, (*axis.range)[1])};
       json.value(std::span<const double>(range));
     } else {
       json.null();
@@ -164,15 +173,16 @@ std::string calibration_text(const Calibration& calibration) {
   if (!calibration.machine_id.empty()) parts.push_back("machine " + calibration.machine_id);
   if (calibration.temperature) parts.push_back(fmt::format("{:.1f} degC", *calibration.temperature));
   if (!calibration.valid_to.empty()) parts.push_back("valid to " + calibration.valid_to);
-  if (!calibration.control_compensation.empty()) parts.push_back("control: " + calibration.control_compensation);
+  if (!calibration.control_compensation.empty())
+    parts.push_back("control: " + calibration.control_compensation);
   return joined(parts, ", ");
 }
 
 void write_text(const Machine& machine, Session& session) {
   Output& out = session.out;
-  out.write(fmt::format("machine      {}\nchain        {}\nfiles        {}\nsha256       {}\ncalibration  {}\n",
-                        machine.name, machine.chain, joined(machine.files), machine.sha256,
-                        calibration_text(machine.calibration)));
+  out.write(fmt::format(
+      "machine      {}\nchain        {}\nfiles        {}\nsha256       {}\ncalibration  {}\n", machine.name,
+      machine.chain, joined(machine.files), machine.sha256, calibration_text(machine.calibration)));
 
   const std::vector<BodyNumber> bodies = body_numbers(machine);
   out.write("\nbodies\n  id  name  lower\n");
@@ -191,30 +201,34 @@ void write_text(const Machine& machine, Session& session) {
   }
 
   out.write("\naxes\n");
-  out.write(fmt::format("  {:<5} {:<7} {:<10} {:<24} {:<24} {}\n", "name", "type", "carries", "body moves along, +",
-                        "origin (mm)", "travel"));
+  out.write(fmt::format("  {:<5} {:<7} {:<10} {:<24} {:<24} {}\n", "name", "type", "carries",
+                        "body moves along, +", "origin (mm)", "travel"));
   for (const Body& axis : machine.bodies) {
     std::string travel = "not stated";
     if (axis.range) {
-      travel = fmt::format("{:.6g} .. {:.6g} {}", json_position(axis, (*axis.range)[0]),
-                           json_position(axis, (*axis.range)[1]), axis.type == AxisType::rotary ? "deg" : "mm");
+      travel =
+          fmt::format("{:.6g} .. {:.6g} {}", json_position(axis, (*axis.range)[0]),
+                      json_position(axis, (*axis.range)[1]), axis.type == AxisType::rotary ? "deg" : "mm");
     }
     if (axis.type == AxisType::fixed) travel = "-";
-    const std::string direction = axis.type == AxisType::fixed
-                                      ? "-"
-                                      : (axis.type == AxisType::rotary ? "about " : "") + vector_text(axis.direction);
+    const std::string direction =
+        axis.type == AxisType::fixed
+            ? "-"
+            : (axis.type == AxisType::rotary ? "about " : "") + vector_text(axis.direction);
     out.write(fmt::format("  {:<5} {:<7} {:<10} {:<24} {:<24} {}{}\n", axis.name, type_name(axis.type),
                           branch_name(axis.branch), direction, vector_text(axis.origin), travel,
                           axis.correctable || axis.type == AxisType::fixed ? "" : ", never corrected"));
   }
   const Vec3 tip = machine.tool.origin - machine.tool.length * machine.tool.axis;
-  out.write(fmt::format("\ntool         tip {} mm, axis {} (from the tip to the spindle), gauge length {:.6g} mm\n",
-                        vector_text(tip), vector_text(machine.tool.axis), machine.tool.length));
+  out.write(
+      fmt::format("\ntool         tip {} mm, axis {} (from the tip to the spindle), gauge length {:.6g} mm\n",
+                  vector_text(tip), vector_text(machine.tool.axis), machine.tool.length));
   out.write(fmt::format("workpiece    origin {} mm\n", vector_text(machine.workpiece_origin)));
 
   out.write(fmt::format("\nerrors       {} given\n", machine.errors.size()));
   for (std::size_t i = 0; i < machine.bodies.size(); ++i) {
-    out.write(fmt::format("  {:<10} {}\n", machine.bodies[i].name, wrapped(errors_of(machine, static_cast<int>(i)), 13)));
+    out.write(fmt::format("  {:<10} {}\n", machine.bodies[i].name,
+                          wrapped(errors_of(machine, static_cast<int>(i)), 13)));
   }
   for (const auto& [body, name] : {std::pair{kToolBody, "t (tool)"}, std::pair{kWorkpieceBody, "w (work)"}}) {
     const std::vector<std::string> names = errors_of(machine, body);
@@ -239,7 +253,8 @@ void write_text(const Machine& machine, Session& session) {
 }  // namespace
 
 Verb describe_verb(CLI::App& program, Session& session) {
-  CLI::App* command = program.add_subcommand("describe", "what a machine file says: bodies, axes, errors, signs");
+  CLI::App* command =
+      program.add_subcommand("describe", "what a machine file says: bodies, axes, errors, signs");
   auto arguments = std::make_shared<CommonArguments>();
   add_common_options(*command, *arguments, session);
   return {command, [arguments, &session] {

@@ -43,7 +43,9 @@ class PoseSource {
   [[nodiscard]] bool next(Session& session);
   [[nodiscard]] const ToolPose& pose() const { return pose_; }
   [[nodiscard]] bool single() const { return !csv_.has_value(); }
-  [[nodiscard]] std::string where() const { return csv_ ? fmt::format("{}:{}", file_, csv_->line()) : "--pose"; }
+  [[nodiscard]] std::string where() const {
+    return csv_ ? fmt::format("{}:{}", file_, csv_->line()) : "--pose";
+  }
   [[nodiscard]] std::uint64_t bytes_read() const { return csv_ ? csv_->bytes_read() : 0; }
   [[nodiscard]] std::uint64_t bytes_total() const { return csv_ ? csv_->bytes_total() : 0; }
 
@@ -66,7 +68,8 @@ bool PoseSource::take(const std::array<double, 6>& numbers) {
   return pose_.direction.stableNorm() > 0;
 }
 
-std::optional<PoseSource> PoseSource::open(const InverseArguments& arguments, double length_unit, Session& session) {
+std::optional<PoseSource> PoseSource::open(const InverseArguments& arguments, double length_unit,
+                                           Session& session) {
   PoseSource source(length_unit);
   if (arguments.poses.empty()) {
     if (arguments.pose.empty()) {
@@ -77,8 +80,9 @@ std::optional<PoseSource> PoseSource::open(const InverseArguments& arguments, do
     Diagnostics diagnostics;
     std::array<double, 6> numbers{};
     if (pieces.size() != numbers.size()) {
-      diagnostics.push_back(option_error("--pose", fmt::format("{} numbers instead of the six x,y,z,i,j,k", pieces.size()),
-                                         "x,y,z is the tip, i,j,k the tool axis from the tip to the spindle"));
+      diagnostics.push_back(
+          option_error("--pose", fmt::format("{} numbers instead of the six x,y,z,i,j,k", pieces.size()),
+                       "x,y,z is the tip, i,j,k the tool axis from the tip to the spindle"));
     }
     for (std::size_t i = 0; i < numbers.size() && diagnostics.empty(); ++i) {
       const std::optional<double> number = option_number("--pose", kColumns[i], pieces[i], diagnostics);
@@ -108,7 +112,8 @@ std::optional<PoseSource> PoseSource::open(const InverseArguments& arguments, do
   for (std::size_t column = 0; column < header.size(); ++column) {
     const auto* const known = std::find(kColumns.begin(), kColumns.end(), header[column]);
     if (known == kColumns.end()) {
-      Diagnostic ignored = source.csv_->error_at(column, "W-COLUMN", fmt::format("column '{}' is ignored", header[column]));
+      Diagnostic ignored =
+          source.csv_->error_at(column, "W-COLUMN", fmt::format("column '{}' is ignored", header[column]));
       ignored.severity = Severity::warning;
       session.report(ignored);
       continue;
@@ -148,15 +153,18 @@ bool PoseSource::next(Session& session) {
   return row;
 }
 
-void write_json_point(JsonWriter& json, const Machine& machine, const ToolPose& pose, const InverseResult& result,
-                      const std::vector<std::string>& outside, bool pass, bool limits) {
+void write_json_point(JsonWriter& json, const Machine& machine, const ToolPose& pose,
+                      const InverseResult& result, const std::vector<std::string>& outside, bool pass,
+                      bool limits) {
   json.begin_object(Layout::one_line);
   const std::array<double, 6> numbers = {pose.position.x(),  pose.position.y(),  pose.position.z(),
                                          pose.direction.x(), pose.direction.y(), pose.direction.z()};
   json.member("pose", std::span<const double>(numbers));
   write_positions(json, "q", machine, result.q);
   json.key("residual").begin_object();
-  json.member("position_mm", result.residual_position).member("direction_rad", result.residual_direction).end();
+  json.member("position_mm", result.residual_position)
+      .member("direction_rad", result.residual_direction)
+      .end();
   json.member("status", abbe::to_string(result.status)).member("branch", result.branch);
   json.member("outside_travel", outside);
   if (limits) json.member("pass", pass);
@@ -165,13 +173,14 @@ void write_json_point(JsonWriter& json, const Machine& machine, const ToolPose& 
 
 std::string point_text(const Machine& machine, const ToolPose& pose, const InverseResult& result,
                        const std::vector<std::string>& outside) {
-  std::string text = fmt::format("tip {:.6f} {:.6f} {:.6f} mm, tool axis {:.9f} {:.9f} {:.9f}\n", pose.position.x(),
-                                 pose.position.y(), pose.position.z(), pose.direction.x(), pose.direction.y(),
-                                 pose.direction.z());
+  std::string text = fmt::format("tip {:.6f} {:.6f} {:.6f} mm, tool axis {:.9f} {:.9f} {:.9f}\n",
+                                 pose.position.x(), pose.position.y(), pose.position.z(), pose.direction.x(),
+                                 pose.direction.y(), pose.direction.z());
   text += fmt::format("  commands  {}\n", positions_text(machine, result.q));
-  text += fmt::format("  {}, branch {}, remains {:.6f} um and {:.3f} urad", abbe::to_string(result.status), result.branch,
-                      result.residual_position / um, result.residual_direction / urad);
-  for (std::size_t i = 0; i < outside.size(); ++i) text += (i == 0 ? ", outside the travel of " : " ") + outside[i];
+  text += fmt::format("  {}, branch {}, remains {:.6f} um and {:.3f} urad", abbe::to_string(result.status),
+                      result.branch, result.residual_position / um, result.residual_direction / urad);
+  for (std::size_t i = 0; i < outside.size(); ++i)
+    text += (i == 0 ? ", outside the travel of " : " ") + outside[i];
   return text + '\n';
 }
 
@@ -182,7 +191,8 @@ std::array<double, kMaxAxes> read_near(const Machine& machine, const std::vector
   for (const Assignment& given : split_assignments("--near", near, diagnostics)) {
     const int axis = machine.find_axis(given.name);
     if (axis < 0) {
-      diagnostics.push_back(option_error("--near", fmt::format("this chain has no moving axis '{}'", given.name),
+      diagnostics.push_back(option_error("--near",
+                                         fmt::format("this chain has no moving axis '{}'", given.name),
                                          suggestion(machine, given.name)));
     } else if (const auto value = option_number("--near", given.name, given.text, diagnostics)) {
       q[static_cast<std::size_t>(axis)] = *value * machine.axis_unit(axis);
@@ -215,7 +225,10 @@ void inverse_poses(const InverseArguments& arguments, Session& session) {
   if (as_json) {
     json.begin_object();
     write_preamble(json, "inverse", machine);
-    json.member("model", to_string(setting->model)).member("ideal", arguments.ideal).key("points").begin_array();
+    json.member("model", to_string(setting->model))
+        .member("ideal", arguments.ideal)
+        .key("points")
+        .begin_array();
   }
   std::uint64_t points = 0, failed = 0, outside_points = 0, passed = 0;
   std::string first_failed, first_outside;
@@ -250,8 +263,9 @@ void inverse_poses(const InverseArguments& arguments, Session& session) {
     return diagnostic;
   };
   if (failed > 0) {
-    Diagnostic unreachable = finding(first_failed, "E-REACH",
-                                     fmt::format("no commands found for {} of {} poses, the first here", failed, points));
+    Diagnostic unreachable =
+        finding(first_failed, "E-REACH",
+                fmt::format("no commands found for {} of {} poses, the first here", failed, points));
     unreachable.why = "the axes of this machine cannot bring the tool there, or not within their travels";
     session.report(unreachable, Exit::outside);
   }
@@ -279,12 +293,16 @@ Verb inverse_verb(CLI::App& program, Session& session) {
   add_common_options(*command, arguments->common, session);
   CLI::Option* pose = command->add_option("--pose", arguments->pose, "tip and tool axis in workpiece axes")
                           ->type_name("x,y,z,i,j,k");
-  command->add_option("--poses", arguments->poses, "CSV with the columns x,y,z,i,j,k")->type_name("FILE")->excludes(pose);
+  command->add_option("--poses", arguments->poses, "CSV with the columns x,y,z,i,j,k")
+      ->type_name("FILE")
+      ->excludes(pose);
   command->add_flag("--ideal", arguments->ideal, "of the ideal machine: errors are ignored");
   command->add_option("--lock", arguments->lock, "axes that stay where --near says: Z1,B1")
       ->type_name("AXIS,..")
       ->allow_extra_args(false);
-  command->add_option("--near", arguments->near, "where the machine stands: the nearest solution is taken (all axes at 0)")
+  command
+      ->add_option("--near", arguments->near,
+                   "where the machine stands: the nearest solution is taken (all axes at 0)")
       ->type_name("AXIS=VALUE,..")
       ->allow_extra_args(false);
   return {command, [arguments, &session] { inverse_poses(*arguments, session); }};

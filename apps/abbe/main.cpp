@@ -21,7 +21,8 @@ namespace abbe::app {
 namespace {
 
 constexpr const char* kFooter =
-    "\nExit codes: 0 done, 1 internal or I/O, 2 usage or input invalid, 3 refused, 4 warnings under --strict,\n"
+    "\nExit codes: 0 done, 1 internal or I/O, 2 usage or input invalid, 3 refused, 4 warnings under "
+    "--strict,\n"
     "5 outside the calibrated volume or the travels, 6 verification failed, 130 interrupted.";
 
 std::vector<std::string> option_names(const CLI::App& command) {
@@ -57,26 +58,29 @@ std::string spelling_hint(const CLI::App& program, const std::vector<std::string
   return {};
 }
 
-int usage_error(const CLI::App& program, const std::vector<std::string>& words, const CLI::ParseError& error) {
+int usage_error(const CLI::App& program, const std::vector<std::string>& words,
+                const CLI::ParseError& error) {
   std::string message = spelling_hint(program, words);
   if (message.empty()) message = error.what();
   std::string help = "abbe --help";
-  for (const CLI::App* verb : program.get_subcommands()) help = fmt::format("abbe {} --help", verb->get_name());
+  for (const CLI::App* verb : program.get_subcommands())
+    help = fmt::format("abbe {} --help", verb->get_name());
   fmt::print(stderr, "abbe: error[E-USAGE]: {}\n  = fix: see {}\n", message, help);
   return static_cast<int>(Exit::invalid);
 }
 
 int run(int argc, char** argv) {
   Session session;
-  CLI::App program("abbe: describe a machine tool, predict its deviation, correct its commands and programs.\n", "abbe");
+  CLI::App program(
+      "abbe: describe a machine tool, predict its deviation, correct its commands and programs.\n", "abbe");
   program.set_version_flag("--version", "abbe " ABBE_VERSION);
   program.require_subcommand(1);
   program.footer(kFooter);
-  const std::array verbs = {describe_verb(program, session), predict_verb(program, session),
-                            correct_verb(program, session), inverse_verb(program, session),
+  const std::array verbs = {describe_verb(program, session),  predict_verb(program, session),
+                            correct_verb(program, session),   inverse_verb(program, session),
                             signcheck_verb(program, session), compensate_verb(program, session),
-                            check_verb(program, session), verify_verb(program, session),
-                            diff_verb(program, session), explain_verb(program, session)};
+                            check_verb(program, session),     verify_verb(program, session),
+                            diff_verb(program, session),      explain_verb(program, session)};
   const std::vector<std::string> words(argv + 1, argv + argc);
   try {
     program.parse(argc, argv);
@@ -100,7 +104,8 @@ int run(int argc, char** argv) {
   session.out.flush();
   if (interrupted()) session.note(Exit::interrupted);
   if (!session.out.ok()) {
-    if (!session.out.closed_by_reader()) fmt::print(stderr, "abbe: standard output: {}\n", session.out.error_text());
+    if (!session.out.closed_by_reader())
+      fmt::print(stderr, "abbe: standard output: {}\n", session.out.error_text());
     session.note(Exit::internal);
   }
   return session.exit_code();

@@ -9,9 +9,10 @@
 namespace abbe::app {
 
 void add_point_options(CLI::App& verb, PointArguments& arguments) {
-  CLI::Option* at = verb.add_option("--at", arguments.at, "axis positions: X=1,A=30; axes not named stand at 0")
-                        ->type_name("AXIS=VALUE,..")
-                        ->allow_extra_args(false);
+  CLI::Option* at =
+      verb.add_option("--at", arguments.at, "axis positions: X=1,A=30; axes not named stand at 0")
+          ->type_name("AXIS=VALUE,..")
+          ->allow_extra_args(false);
   verb.add_option("--points", arguments.points,
                   "CSV with a header: a column for every moving axis, optionally sensors, v.X, a.X, X.dir")
       ->type_name("FILE")
@@ -59,11 +60,13 @@ std::optional<PointSource> PointSource::open(const PointArguments& arguments, co
       if (direction) {
         source.approach_[static_cast<std::size_t>(meaning.axis)] = *direction;
       } else {
-        diagnostics.push_back(option_error("--at", fmt::format("{}={} is not one of + - 0", given.name, given.text)));
+        diagnostics.push_back(
+            option_error("--at", fmt::format("{}={} is not one of + - 0", given.name, given.text)));
       }
     } else if (setting.environment.contains(given.name)) {
-      diagnostics.push_back(option_error("--at", fmt::format("'{}' is also given with --set or --environment", given.name),
-                                         "leave out one of the two"));
+      diagnostics.push_back(
+          option_error("--at", fmt::format("'{}' is also given with --set or --environment", given.name),
+                       "leave out one of the two"));
     } else if (const auto value = option_number("--at", given.name, given.text, diagnostics)) {
       source.put(meaning, given.name, *value);
     }
@@ -89,7 +92,8 @@ bool PointSource::use_columns(const std::vector<std::string>& header, Session& s
     }
     if (meaning.kind == NameMeaning::Kind::position) present[static_cast<std::size_t>(meaning.axis)] = true;
     if (setting_->environment.contains(header[i])) {
-      Diagnostic twice = csv_->error_at(i, "E-COLUMN", fmt::format("'{}' is also given on the command line", header[i]));
+      Diagnostic twice =
+          csv_->error_at(i, "E-COLUMN", fmt::format("'{}' is also given on the command line", header[i]));
       twice.fix = "leave out one of the two";
       session.report(twice);
       valid = false;
@@ -98,7 +102,8 @@ bool PointSource::use_columns(const std::vector<std::string>& header, Session& s
   }
   for (int i = 0; i < machine.axis_count(); ++i) {
     if (present[static_cast<std::size_t>(i)]) continue;
-    Diagnostic missing = csv_->error_at_line("E-COLUMN", fmt::format("no column for the axis '{}'", machine.axis(i).name));
+    Diagnostic missing =
+        csv_->error_at_line("E-COLUMN", fmt::format("no column for the axis '{}'", machine.axis(i).name));
     missing.fix = fmt::format("add a column '{}'; 0 where the axis stands at its zero", machine.axis(i).name);
     session.report(missing);
     valid = false;

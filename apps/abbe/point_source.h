@@ -27,8 +27,8 @@ void add_point_options(CLI::App& verb, PointArguments& arguments);
 class PointSource {
  public:
   /// nullopt after reporting what is wrong with the options, the header or the sensors.
-  [[nodiscard]] static std::optional<PointSource> open(const PointArguments& arguments, const Setting& setting,
-                                                       Session& session);
+  [[nodiscard]] static std::optional<PointSource> open(const PointArguments& arguments,
+                                                       const Setting& setting, Session& session);
 
   /// Goes to the next point; false at the end and after a reported mistake.
   [[nodiscard]] bool next(Session& session);

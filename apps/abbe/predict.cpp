@@ -1,8 +1,8 @@
 #include "abbe/chain/predict.h"
 
-#include <Eigen/Geometry>
 #include <fmt/core.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -53,15 +53,17 @@ void write_tip(JsonWriter& json, std::string_view name, const TipAndAxis& tip) {
   json.member("position_mm", tip.position).member("tool_axis", tip.tool_axis).end();
 }
 
-void write_json_point(JsonWriter& json, const Setting& setting, const Query& query, const Prediction& prediction,
-                      bool pass) {
+void write_json_point(JsonWriter& json, const Setting& setting, const Query& query,
+                      const Prediction& prediction, bool pass) {
   json.begin_object(Layout::one_line);
   write_positions(json, "q", setting.machine, query.q);
   write_tip(json, "nominal", prediction.nominal);
   write_tip(json, "actual", prediction.actual);
   write_tip(json, "deviation", prediction.deviation);
   json.key("tool_twist").begin_object();
-  json.member("translation_mm", prediction.tool_twist.d).member("rotation_rad", prediction.tool_twist.e).end();
+  json.member("translation_mm", prediction.tool_twist.d)
+      .member("rotation_rad", prediction.tool_twist.e)
+      .end();
   json.member("extrapolated", prediction.extrapolated);
   json.member("outside_travel", outside_travel(setting.machine, query.q));
   if (setting.limits.given()) json.member("pass", pass);
@@ -78,8 +80,8 @@ std::string block_text(const Setting& setting, const Query& query, const Predict
   const Vec3 d_um = prediction.deviation.position / um;
   const double angle = tilt(prediction);
   std::string text = fmt::format("machine         {} ({} model, {} errors)\ncommanded       {}\n\n",
-                                 setting.machine.name, to_string(setting.model), setting.machine.errors.size(),
-                                 positions_text(setting.machine, query.q));
+                                 setting.machine.name, to_string(setting.model),
+                                 setting.machine.errors.size(), positions_text(setting.machine, query.q));
   text += fmt::format("{:<16}{:>15}{:>15}{:>15}  in workpiece axes\n", "", "x", "y", "z");
   text += vector_row("nominal tip", prediction.nominal.position, 6, "mm", false);
   text += vector_row("actual tip", prediction.actual.position, 6, "mm", false);
@@ -88,11 +90,13 @@ std::string block_text(const Setting& setting, const Query& query, const Predict
   text += vector_row("actual axis", prediction.actual.tool_axis, 9, "", false);
   text += vector_row("tilt", prediction.deviation.tool_axis / urad, 3, "urad", true,
                      fmt::format("{:.3f} urad = {:.3f} arcsec", angle / urad, angle / arcsec));
-  text += fmt::format("\n{:<16}{:>15}{:>15}{:>15}  in axes of the ideal tool, at the tip\n", "", "x", "y", "z");
+  text +=
+      fmt::format("\n{:<16}{:>15}{:>15}{:>15}  in axes of the ideal tool, at the tip\n", "", "x", "y", "z");
   text += vector_row("displacement", prediction.tool_twist.d / um, 3, "um", true);
   text += vector_row("rotation", prediction.tool_twist.e / urad, 3, "urad", true);
   if (!prediction.extrapolated.empty()) {
-    text += fmt::format("\nextrapolated    {} (held beyond their last value)\n", joined(prediction.extrapolated));
+    text +=
+        fmt::format("\nextrapolated    {} (held beyond their last value)\n", joined(prediction.extrapolated));
   }
   const std::vector<std::string> outside = outside_travel(setting.machine, query.q);
   if (!outside.empty()) text += fmt::format("\noutside travel  {}\n", joined(outside));
@@ -104,21 +108,23 @@ std::string table_heading(const Setting& setting) {
   std::string text = "#";
   for (int i = 0; i < setting.machine.axis_count(); ++i) {
     const Body& axis = setting.machine.axis(i);
-    text += fmt::format("{:>13}", fmt::format("{} {}", axis.name, axis.type == AxisType::rotary ? "deg" : "mm"));
+    text +=
+        fmt::format("{:>13}", fmt::format("{} {}", axis.name, axis.type == AxisType::rotary ? "deg" : "mm"));
   }
-  return text + fmt::format("{:>11}{:>11}{:>11}{:>11}{:>12}{:>10}\n", "dx um", "dy um", "dz um", "|d| um", "tilt urad",
-                            "arcsec");
+  return text + fmt::format("{:>11}{:>11}{:>11}{:>11}{:>12}{:>10}\n", "dx um", "dy um", "dz um", "|d| um",
+                            "tilt urad", "arcsec");
 }
 
 std::string table_row(const Setting& setting, const Query& query, const Prediction& prediction, bool pass) {
   std::string text = " ";
   for (int i = 0; i < setting.machine.axis_count(); ++i) {
-    text += fmt::format("{:>13.5f}", json_position(setting.machine.axis(i), query.q[static_cast<std::size_t>(i)]));
+    text += fmt::format("{:>13.5f}",
+                        json_position(setting.machine.axis(i), query.q[static_cast<std::size_t>(i)]));
   }
   const Vec3 d_um = prediction.deviation.position / um;
   const double angle = tilt(prediction);
-  text += fmt::format("{:>+11.3f}{:>+11.3f}{:>+11.3f}{:>11.3f}{:>12.3f}{:>10.3f}", d_um.x(), d_um.y(), d_um.z(),
-                      d_um.norm(), angle / urad, angle / arcsec);
+  text += fmt::format("{:>+11.3f}{:>+11.3f}{:>+11.3f}{:>11.3f}{:>12.3f}{:>10.3f}", d_um.x(), d_um.y(),
+                      d_um.z(), d_um.norm(), angle / urad, angle / arcsec);
   if (setting.limits.given()) text += pass ? "  pass" : "  FAIL";
   if (!prediction.extrapolated.empty()) text += "  extrapolated: " + joined(prediction.extrapolated);
   const std::vector<std::string> outside = outside_travel(setting.machine, query.q);
@@ -127,9 +133,10 @@ std::string table_row(const Setting& setting, const Query& query, const Predicti
 }
 
 std::string summary_text(const Setting& setting, const Summary& summary) {
-  std::string text = fmt::format("\n{} points   |d| max {:.3f} um at {}, rms {:.3f} um   tilt max {:.3f} urad = {:.3f} arcsec at {}\n",
-                                 summary.points, summary.max_distance / um, summary.where_distance, summary.rms() / um,
-                                 summary.max_tilt / urad, summary.max_tilt / arcsec, summary.where_tilt);
+  std::string text = fmt::format(
+      "\n{} points   |d| max {:.3f} um at {}, rms {:.3f} um   tilt max {:.3f} urad = {:.3f} arcsec at {}\n",
+      summary.points, summary.max_distance / um, summary.where_distance, summary.rms() / um,
+      summary.max_tilt / urad, summary.max_tilt / arcsec, summary.where_tilt);
   if (setting.limits.given()) {
     text += fmt::format("{}: {} of {} points within the limits\n",
                         summary.passed == summary.points ? "pass" : "FAIL", summary.passed, summary.points);

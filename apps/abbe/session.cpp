@@ -81,7 +81,8 @@ void Session::report(const FileError& error, const std::string& path) {
   diagnostic.place.file = path;
   // The path leads every finding already.
   const std::string prefix = path + ": ";
-  diagnostic.message = error.message.starts_with(prefix) ? error.message.substr(prefix.size()) : error.message;
+  diagnostic.message =
+      error.message.starts_with(prefix) ? error.message.substr(prefix.size()) : error.message;
   report(diagnostic, error.missing || error.unsuitable ? Exit::invalid : Exit::internal);
 }
 

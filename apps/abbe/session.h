@@ -12,12 +12,12 @@ namespace abbe::app {
 /// Why a run ends as it does (docs/command-line.md, exit codes). The numbers are the exit codes.
 enum class Exit {
   done = 0,
-  internal = 1,      ///< internal error, or input and output failed
-  invalid = 2,       ///< usage, missing file, machine file or data not valid
-  refused = 3,       ///< a program that is not safely understood, a correction that was not found
-  warnings = 4,      ///< done, with warnings, under --strict
-  outside = 5,       ///< outside the calibrated volume or the travels
-  disagrees = 6,     ///< the verification failed
+  internal = 1,   ///< internal error, or input and output failed
+  invalid = 2,    ///< usage, missing file, machine file or data not valid
+  refused = 3,    ///< a program that is not safely understood, a correction that was not found
+  warnings = 4,   ///< done, with warnings, under --strict
+  outside = 5,    ///< outside the calibrated volume or the travels
+  disagrees = 6,  ///< the verification failed
   interrupted = 130,
 };
 

@@ -27,7 +27,8 @@ std::string components_text(const Vec3& v, double unit, std::string_view unit_na
   std::string text;
   for (const int i : order) {
     const double shown = std::abs(v[i]) / unit;
-    if (std::abs(v[i]) < kWorthReading * std::abs(v[order[0]]) || shown < 0.5 * std::pow(10.0, -decimals)) continue;
+    if (std::abs(v[i]) < kWorthReading * std::abs(v[order[0]]) || shown < 0.5 * std::pow(10.0, -decimals))
+      continue;
     text += fmt::format("{}{}{} {:.{}f} {}", text.empty() ? "" : ", ", v[i] < 0 ? '-' : '+', kLetters[i],
                         shown, decimals, unit_name);
   }
@@ -49,8 +50,9 @@ std::string axis_line(const Machine& machine, const AxisMove& move) {
   const char* carried = axis.branch == Branch::tool ? "tool side" : "work side";
   const std::string body = rotary ? "turns about " + components_text(move.body, deg, "deg", 3)
                                   : "moves " + components_text(move.body, mm, "mm", 3);
-  const std::string tip = move.tip.norm() < kMaxAxes * 1e-12 ? "tip stays"
-                                                            : "tip over work: " + components_text(move.tip, mm, "mm", 3);
+  const std::string tip = move.tip.norm() < kMaxAxes * 1e-12
+                              ? "tip stays"
+                              : "tip over work: " + components_text(move.tip, mm, "mm", 3);
   return fmt::format("  {:<28} {} {:<34} {}\n", move_text(axis, move.from, move.to), carried, body, tip);
 }
 
@@ -79,12 +81,17 @@ void write_text(const Plan& plan, const Environment& environment, Session& sessi
       machine.name));
   for (const AxisMove& move : axis_moves(plan)) out.write(axis_line(machine, move));
   out.write(
-      "\n2. Errors, one by one. Measure along the move shown, the other axes at zero (or at the end of the travel\n"
-      "   nearest to it). The line says how the tool departs from the ideal motion, seen from the workpiece, between\n"
-      "   the two ends: +x 3 um means the tool ends 3 um too far in +x of the work; a dial in the spindle that touches\n"
-      "   a straightedge on the table, its plunger pointing to +x, is then pressed in by 3 um. Turns are right-handed.\n"
+      "\n2. Errors, one by one. Measure along the move shown, the other axes at zero (or at the end of the "
+      "travel\n"
+      "   nearest to it). The line says how the tool departs from the ideal motion, seen from the workpiece, "
+      "between\n"
+      "   the two ends: +x 3 um means the tool ends 3 um too far in +x of the work; a dial in the spindle "
+      "that touches\n"
+      "   a straightedge on the table, its plunger pointing to +x, is then pressed in by 3 um. Turns are "
+      "right-handed.\n"
       "   If an instrument shows the opposite sign, errors_seen or the sign of that error is wrong.\n\n");
-  for (const ErrorTest& test : error_tests(machine, environment, plan.model())) out.write(error_line(machine, test));
+  for (const ErrorTest& test : error_tests(machine, environment, plan.model()))
+    out.write(error_line(machine, test));
 }
 
 void write_json(const Plan& plan, const Environment& environment, Session& session) {
@@ -96,7 +103,9 @@ void write_json(const Plan& plan, const Environment& environment, Session& sessi
   for (const AxisMove& move : axis_moves(plan)) {
     const Body& axis = machine.axis(move.axis);
     json.begin_object(Layout::one_line);
-    json.member("axis", axis.name).member("from", json_position(axis, move.from)).member("to", json_position(axis, move.to));
+    json.member("axis", axis.name)
+        .member("from", json_position(axis, move.from))
+        .member("to", json_position(axis, move.to));
     json.member(axis.type == AxisType::rotary ? "body_rotation_rad" : "body_motion_mm", move.body);
     json.member("tip_motion_mm", move.tip).end();
   }
@@ -108,7 +117,9 @@ void write_json(const Plan& plan, const Environment& environment, Session& sessi
     json.key("move").begin_object();
     if (test.axis) {
       const Body& axis = machine.axis(*test.axis);
-      json.member("axis", axis.name).member("from", json_position(axis, test.from)).member("to", json_position(axis, test.to));
+      json.member("axis", axis.name)
+          .member("from", json_position(axis, test.from))
+          .member("to", json_position(axis, test.to));
     }
     if (test.sensor) json.member("sensor", *test.sensor).member("from", test.from).member("to", test.to);
     json.end();
@@ -122,8 +133,8 @@ void write_json(const Plan& plan, const Environment& environment, Session& sessi
 }  // namespace
 
 Verb signcheck_verb(CLI::App& program, Session& session) {
-  CLI::App* command =
-      program.add_subcommand("signcheck", "test moves and dial readings that show whether the signs are right");
+  CLI::App* command = program.add_subcommand(
+      "signcheck", "test moves and dial readings that show whether the signs are right");
   auto arguments = std::make_shared<CommonArguments>();
   add_common_options(*command, *arguments, session);
   return {command, [arguments, &session] {

@@ -14,12 +14,12 @@ namespace {
 
 constexpr double kLinearJog = 10 * mm;
 constexpr double kRotaryJog = 10 * deg;
-constexpr double kNoTravel = 100 * mm;         ///< to both sides, where no travel is stated
-constexpr double kMostSteps = 24;              ///< positions tried along an axis
-constexpr double kGoodEnough = 0.7;            ///< the shortest move that shows this part of the largest change
-constexpr double kOwnAxisEnough = 0.2;         ///< the error's own axis is preferred unless it shows much less
-constexpr double kNothing = 1e-3 * um;         ///< changes below this (mm, or rad times a metre) are no signal
-constexpr double kLever = 1000 * mm;           ///< weighs rotations against displacements
+constexpr double kNoTravel = 100 * mm;  ///< to both sides, where no travel is stated
+constexpr double kMostSteps = 24;       ///< positions tried along an axis
+constexpr double kGoodEnough = 0.7;     ///< the shortest move that shows this part of the largest change
+constexpr double kOwnAxisEnough = 0.2;  ///< the error's own axis is preferred unless it shows much less
+constexpr double kNothing = 1e-3 * um;  ///< changes below this (mm, or rad times a metre) are no signal
+constexpr double kLever = 1000 * mm;    ///< weighs rotations against displacements
 
 /// Deviation of the tool relative to the workpiece in workpiece axes.
 struct Departure {
@@ -42,7 +42,8 @@ std::array<double, 2> travel_of(const Body& axis) {
 std::array<double, kMaxAxes> home(const Machine& machine) {
   std::array<double, kMaxAxes> q{};
   for (int i = 0; i < machine.axis_count(); ++i) {
-    if (const auto& range = machine.axis(i).range) q[static_cast<std::size_t>(i)] = std::clamp(0.0, (*range)[0], (*range)[1]);
+    if (const auto& range = machine.axis(i).range)
+      q[static_cast<std::size_t>(i)] = std::clamp(0.0, (*range)[0], (*range)[1]);
   }
   return q;
 }
@@ -72,7 +73,9 @@ double size_of(const Departure& change, bool rotation) {
   return rotation ? change.rotation.norm() * kLever : change.tip.norm();
 }
 
-Departure difference(const Departure& a, const Departure& b) { return {b.tip - a.tip, b.rotation - a.rotation}; }
+Departure difference(const Departure& a, const Departure& b) {
+  return {b.tip - a.tip, b.rotation - a.rotation};
+}
 
 /// The shortest move among round positions that shows most of what this axis can show.
 struct Candidate {
@@ -169,9 +172,12 @@ std::vector<ErrorTest> error_tests(const Machine& machine, const Environment& en
     Query query;
     query.q = test.at;
     query.tool = tool_of(machine);
-    const auto take = [&](const Departure& change) { test.tip = change.tip, test.rotation = change.rotation; };
+    const auto take = [&](const Departure& change) {
+      test.tip = change.tip, test.rotation = change.rotation;
+    };
 
-    // An error that follows a sensor is seen best by letting the sensor change where the axes stand at mid travel.
+    // An error that follows a sensor is seen best by letting the sensor change where the axes stand at mid
+    // travel.
     for (const int variable : term.function.variables()) {
       const Variable& v = machine.variables[static_cast<std::size_t>(variable)];
       const auto given = environment.find(v.name);

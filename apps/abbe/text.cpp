@@ -57,7 +57,9 @@ void write_findings(JsonWriter& json, std::string_view name, const Diagnostics& 
   for (const Diagnostic& finding : findings) {
     json.begin_object(JsonWriter::Layout::one_line);
     json.member("code", finding.code).member("file", finding.place.file);
-    json.member("line", static_cast<std::uint64_t>(finding.place.line)).member("message", finding.message).end();
+    json.member("line", static_cast<std::uint64_t>(finding.place.line))
+        .member("message", finding.message)
+        .end();
   }
   json.end();
 }

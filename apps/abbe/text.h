@@ -16,8 +16,8 @@ namespace abbe::app {
 
 /// One row of three numbers under the heading of vector_heading(): signed or not, with its unit.
 [[nodiscard]] std::string vector_heading();
-[[nodiscard]] std::string vector_row(std::string_view name, const Vec3& v, int decimals, std::string_view unit,
-                                     bool sign, std::string_view remark = {});
+[[nodiscard]] std::string vector_row(std::string_view name, const Vec3& v, int decimals,
+                                     std::string_view unit, bool sign, std::string_view remark = {});
 
 /// The member `name`: axis positions in mm and degrees, by axis name.
 void write_positions(JsonWriter& json, std::string_view name, const Machine& machine,

@@ -1,0 +1,121 @@
+// The verbs that read programs, end to end: exit codes, files that appear or not, the report.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "machines.h"
+#include "run_program.h"
+
+namespace abbe::cli {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+constexpr const char* kProgram =
+    "G21 G17 G90 G94\n"
+    "G54\n"
+    "G0 X0 Y0 Z10\n"
+    "G1 X100.000 Y0.000 Z0.000 F500\n"
+    "G1 X200.000 Y50.000\n"
+    "M2\n";
+
+class Programs : public ::testing::Test {
+ protected:
+  ProgramRun compensate(const std::string& program, std::vector<std::string> more = {}) {
+    std::vector<std::string> arguments = {"compensate", machine_,   program,          "-o", out_, "--set",
+                                          "T1=20",      "--offset", "G54=X0,Y0,Z-100"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return run_abbe(arguments);
+  }
+  static std::string content(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  }
+
+  Folder folder_;
+  std::string machine_ = folder_.put("three.toml", kThreeAxes);
+  std::string program_ = folder_.put("part.ngc", kProgram);
+  std::string out_ = folder_ / "out.ngc";
+};
+
+TEST_F(Programs, CompensateWritesProgramReportAndFigure) {
+  const ProgramRun run =
+      compensate(program_, {"--report", folder_ / "r.json", "--figure", folder_ / "f.svg"});
+  ASSERT_EQ(run.exit, 0) << run.err;
+  const std::string text = content(out_);
+  EXPECT_THAT(text, HasSubstr("(ABBE COMPENSATED - DO NOT EDIT - DO NOT RE-COMPENSATE)"));
+  // EXX 0.1 um/mm from the datum on: x = 200 - 0.020. EYY is constant and belongs to the datum.
+  EXPECT_THAT(text, HasSubstr("X199.980"));
+  EXPECT_THAT(text, HasSubstr("Y50.000"));
+  const json report = json::parse(content(folder_ / "r.json"));
+  EXPECT_EQ(report["input"]["lines"], 6);
+  EXPECT_EQ(report["input"]["sha256"].get<std::string>().size(), 64U);
+  EXPECT_NEAR(report["before"]["max_um"], 20, 0.01);
+  EXPECT_LT(report["after"]["max_um"], 1);
+  EXPECT_NEAR(report["datum"]["removed_um"][1], 5, 1e-6);
+  for (const char* member :
+       {"output", "quantisation_um", "blocks", "arcs", "warnings", "corrections", "calibration"}) {
+    EXPECT_TRUE(report.contains(member)) << member;
+  }
+  EXPECT_THAT(content(folder_ / "f.svg"), HasSubstr("</svg>"));
+
+  const ProgramRun verified =
+      run_abbe({"verify", machine_, program_, out_, "--set", "T1=20", "--offset", "G54=X0,Y0,Z-100"});
+  EXPECT_EQ(verified.exit, 0) << verified.err;
+  // Never twice.
+  const ProgramRun again = run_abbe({"compensate", machine_, out_, "-o", folder_ / "twice.ngc", "--set",
+                                     "T1=20", "--offset", "G54=X0,Y0,Z-100"});
+  EXPECT_EQ(again.exit, 3);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "twice.ngc"));
+}
+
+TEST_F(Programs, AWrongOutputIsFoundOut) {
+  ASSERT_EQ(compensate(program_).exit, 0);
+  std::string wrong = content(out_);
+  wrong.replace(wrong.find("X199.980"), 8, "X199.880");
+  const ProgramRun run = run_abbe({"verify", machine_, program_, folder_.put("wrong.ngc", wrong), "--set",
+                                   "T1=20", "--offset", "G54=X0,Y0,Z-100"});
+  EXPECT_EQ(run.exit, 6) << run.err;
+}
+
+TEST_F(Programs, RefusedProgramsLeaveNothingBehind) {
+  const ProgramRun refused = compensate(folder_.put("odd.ngc", "G54\nG0 X0 Y0 Z0\nG1 X[#1+2] F100\nM2\n"));
+  EXPECT_EQ(refused.exit, 3) << refused.err;
+  EXPECT_FALSE(std::filesystem::exists(out_));
+  const ProgramRun outside = compensate(folder_.put("far.ngc", "G54\nG0 X0 Y0 Z0\nG1 X500 F100\nM2\n"));
+  EXPECT_EQ(outside.exit, 5) << outside.err;
+  EXPECT_FALSE(std::filesystem::exists(out_));
+  EXPECT_EQ(compensate(folder_ / "absent.ngc").exit, 2);
+  EXPECT_EQ(compensate(folder_.path()).exit, 2);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 4);
+}
+
+TEST_F(Programs, OptionsAreChecked) {
+  EXPECT_EQ(compensate(program_, {"--gauge", "3=12"}).exit, 2);
+  EXPECT_EQ(compensate(program_, {"--gauge", "T3=long"}).exit, 2);
+  EXPECT_EQ(compensate(program_, {"--offset", "G99=X1,Y2,Z3"}).exit, 2);
+  EXPECT_EQ(compensate(program_, {"--dialect", "klingon"}).exit, 2);
+  EXPECT_EQ(compensate(program_, {"--tools", folder_ / "absent.tbl"}).exit, 2);
+  EXPECT_EQ(run_abbe({"compensate", machine_, program_, "-o", program_, "--set", "T1=20", "--offset",
+                      "G54=X0,Y0,Z-100"})
+                .exit,
+            3);
+  EXPECT_EQ(content(program_), kProgram);
+}
+
+TEST_F(Programs, CheckWritesNothing) {
+  const ProgramRun run =
+      run_abbe({"check", machine_, program_, "--set", "T1=20", "--offset", "G54=X0,Y0,Z-100", "--json"});
+  EXPECT_EQ(run.exit, 0) << run.err;
+  EXPECT_NEAR(json::parse(run.out)["before"]["max_um"], 20, 0.01);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_.path()), {}), 2);
+}
+
+}  // namespace
+}  // namespace abbe::cli
