@@ -47,6 +47,9 @@ class CorrectionField {
   /// Positions of axis 0 1 2 between which the correction is close to quadratic, increasing, mm.
   [[nodiscard]] const std::vector<double>& knots(int axis) const { return knots_[static_cast<std::size_t>(axis)]; }
   [[nodiscard]] bool depends_on_direction() const { return directional_; }
+  /// No straight move up to this length needs a look inside: between its ends the correction stays within
+  /// `tolerance` of its chord. Estimated from second differences of the error along each axis.
+  [[nodiscard]] double straight_length(double tolerance) const;
 
  private:
   void refresh_datum();

@@ -274,6 +274,14 @@ TEST(Rewrite, TravelAndVolumeAreRefused) {  // H21
   EXPECT_TRUE(volume.has("E-VOL")) << volume.findings();
 }
 
+TEST(Rewrite, ACorrectionBeyondTheTravelIsRefusedNotCut) {
+  Machine machine = offset_machine();  // wants X - 0.010
+  machine.bodies[0].range = {{0, 50}};
+  const auto result = rewrite(machine, "G0 X0 Y0 Z0\nM2\n");
+  EXPECT_FALSE(result.report.complete) << result.text;
+  EXPECT_TRUE(result.has("E-TRAVEL")) << result.findings();
+}
+
 TEST(Rewrite, LargeCorrectionsAndGradientsAreRefused) {
   EXPECT_TRUE(rewrite(three_axes({{"EXX", ErrorFunction::constant(0.6)}}), "G0 X0 Y0 Z0\nM2\n").has("E-CORRECTION"));
   EXPECT_TRUE(rewrite(three_axes({{"EXX", poly(0, {0, 2e-3})}}), "G0 X0 Y0 Z0\nG1 X100 F1\nM2\n").has("E-GRADIENT"));
@@ -285,7 +293,7 @@ TEST(Rewrite, LostMotionIsTakenUpWhereAnAxisTurnsRound) {
   const auto machine = three_axes({{"EXX", ErrorFunction::directional(0, ErrorFunction::constant(0.005), ErrorFunction::constant(-0.005))}});
   const auto result = rewrite(machine, "G0 X0 Y0 Z5\nG1 X10 F100\nG1 X0\nM2\n", job);
   ASSERT_TRUE(result.report.complete) << result.findings();
-  EXPECT_NE(result.text.find("G1 X9.9950 F100\nG1 X10.0050\nX0.0050\n"), std::string::npos) << result.text;
+  EXPECT_NE(result.text.find("G1 X-0.0050 F100\nX9.9950\nG1 X10.0050\nX0.0050\n"), std::string::npos) << result.text;
 }
 
 }  // namespace

@@ -119,6 +119,7 @@ class Rewriter {
   CorrectionField field_;
   ProgramFindings findings_;
   double interpolation_;          ///< mm
+  double short_enough_;           ///< mm: a move up to this length is not looked into
   bool angular_;
 
   Block block_;

@@ -28,8 +28,7 @@ constexpr double kSpiralTolerance = 1e-3;
 }  // namespace
 
 std::optional<Arc> Rewriter::nominal_arc(const Move& move, const Vec3& p0, const Vec3& p1) {
-  const auto [a, b, n] = plane_axes(modal_.plane);
-  static_cast<void>(n);
+  const int a = plane_axes(modal_.plane)[0], b = plane_axes(modal_.plane)[1];
   static_cast<void>(move);
   const bool clockwise = instruction_.motion == 20;
   const Word* r = instruction_.find(block_, 'R');
@@ -96,8 +95,7 @@ Rewriter::Value Rewriter::centre_value(int k, double centre, const Vec3& start, 
 
 bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& start, bool whole, ArcPiece& piece) {
   const Arc part = piece_of(nominal, s0, s1);
-  const auto [a, b, n] = plane_axes(modal_.plane);
-  static_cast<void>(n);
+  const int a = plane_axes(modal_.plane)[0], b = plane_axes(modal_.plane)[1];
   const auto looks = std::clamp(static_cast<int>(std::ceil(std::max(std::abs(part.sweep) / kTurn * kLooksPerTurn, part.length() / kLookSpacing))), kFewestLooks, kMostLooks);
   targets_.clear();
   for (int k = 1; k <= looks; ++k) {
@@ -157,8 +155,7 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
 }
 
 void Rewriter::command_centre(const ArcPiece& piece, const Vec3& start, bool first, std::string* extra) {
-  const auto [a, b, n] = plane_axes(modal_.plane);
-  static_cast<void>(n);
+  const int a = plane_axes(modal_.plane)[0], b = plane_axes(modal_.plane)[1];
   if (piece.keeps_radius) return;
   if (const Word* r = instruction_.find(block_, 'R'); r && first) edit_.remove(*r);
   for (const int k : {a, b}) {

@@ -11,7 +11,7 @@ namespace abbe {
 // The control makes the motions of a cycle itself: X Y Z R are shifted together by the correction at
 // mid-depth of the hole, if the correction is the same everywhere in it (docs/theory/compensation.md).
 void Rewriter::cycle(std::string& out) {
-  const auto [a, b, n] = plane_axes(modal_.plane);
+  const int a = plane_axes(modal_.plane)[0], b = plane_axes(modal_.plane)[1], n = plane_axes(modal_.plane)[2];
   const GCode code = instruction_.motion;
   const double unit = modal_.unit();
   const bool first = cycle_.code != code;
@@ -19,6 +19,9 @@ void Rewriter::cycle(std::string& out) {
   const Word* wz = axis_word(n);
   const Word* wl = instruction_.find(block_, 'L');
   const auto bad = [&](const char* what, const char* why, const char* fix) { refuse_block("E-CYCLE", what, why, fix); };
+  if ((code == 740 || code == 840) && modal_.plane != Plane::xy) {
+    return bad("tapping outside the XY plane", "LinuxCNC moves other axes than the program names", "tap in G17");
+  }
   if (first && (!wr || !wz)) return bad("the first block of a cycle needs R and the bottom", "the control refuses it", "add them");
   const double repeats = wl ? wl->value : 1;
   if (repeats < 1 || repeats > 9999 || repeats != std::floor(repeats)) return bad("L of a cycle is a number of repeats, 1 to 9999", "the holes are not defined", "correct L");
@@ -37,12 +40,13 @@ void Rewriter::cycle(std::string& out) {
     return;
   }
   const Vec3 p = in_.p(), p_out = out_.p();
-  if (first) {
+  // As in LinuxCNC the height before the whole sequence is what G98 returns to and what R adds to in G91.
+  if (cycle_.code < 0) {
     in_.cycle_level = p[n];
     out_.cycle_level = p_out[n];
   }
   const double r_word = wr ? wr->value : cycle_.r, z_word = wz ? wz->value : cycle_.z;
-  const double r = r_word * unit + (modal_.incremental ? p[n] : 0.0);
+  const double r = r_word * unit + (modal_.incremental ? in_.cycle_level : 0.0);
   const double z = z_word * unit + (modal_.incremental ? r : 0.0);
   if (z > r) return bad("the bottom of the hole lies above R", "the control refuses it", "check Z and R");
   const auto count = static_cast<int>(repeats);
@@ -102,7 +106,7 @@ void Rewriter::cycle(std::string& out) {
     return value.number;
   };
   // R, then the bottom measured from R where increments are programmed
-  const double r_base = modal_.incremental ? p_out[n] : 0.0;
+  const double r_base = modal_.incremental ? out_.cycle_level : 0.0;
   cycle_.r_out = depth_word(wr, 'R', (r + shift[n] - r_base) / unit, cycle_.r_out);
   const double r_out = r_base + cycle_.r_out * unit;
   const double z_base = modal_.incremental ? r_out : 0.0;

@@ -321,7 +321,7 @@ bool Rewriter::straight(const Move& move, std::string& out) {
   bool takes_up = false;
   if (feed) {
     const double length = way.norm();
-    const bool look = length > 2 * interpolation_ / job_.max_gradient || turned;
+    const bool look = length > short_enough_ || turned;
     if (look) {
       if (!sample_line(move, *c1, approach)) return false;
       takes_up = turned && start_corrected_ &&

@@ -95,6 +95,10 @@ bool note_g(const Block& block, const Word& word, std::uint64_t line, ProgramFin
            "a code that is not understood may move the machine or change a frame", "remove it, or post without it");
     return false;
   }
+  if (group == motion && seen[group] && (*code == 800 || out.motion == 800)) {
+    if (*code != 800) out.motion = *code;  // G80 beside another motion code: that one counts
+    return true;
+  }
   if (seen[group]) {
     refuse(findings, line, block, word, "E-BLOCK", spelled(block, word) + ": a second code of the same group in one block",
            "which of them holds is not defined", "split the block");
@@ -243,7 +247,8 @@ bool read_instruction(const Block& block, const ModalState& state, std::uint64_t
     return whole_block("E-BLOCK", "two codes of this block use the axis words", "which of them they belong to is not defined",
                        "split the block");
   }
-  if (!out.states_motion && out.moves_axes && !taken) out.motion = state.motion;
+  const bool centre_alone = is_arc(state.motion) && (present & kCentreBits) != 0;  // a full circle
+  if (!out.states_motion && (out.moves_axes || centre_alone) && !taken) out.motion = state.motion;
   if (out.motion == 800 && out.moves_axes && !taken) {
     return whole_block("E-MODE", "axis words without a motion in force",
                        "the control refuses them, or moves in a way the program does not state", "write G0, G1, G2 or G3");

@@ -30,7 +30,7 @@ struct ModalState {
   bool incremental = false;    ///< G91
   bool absolute_centre = false;  ///< G90.1
   GCode feed_mode = 940;       ///< G93 G94 G95
-  bool retract_to_r = false;   ///< G99
+  bool retract_to_r = true;    ///< G99; so LinuxCNC starts
   double feed = 0;             ///< F in program units
   bool has_feed = false;       ///< F given since the feed mode changed
   [[nodiscard]] double unit() const { return inch ? 25.4 : 1.0; }

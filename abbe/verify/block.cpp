@@ -286,10 +286,15 @@ class Scanner {
                     "post the program without it (docs/programs.md lists the codes known)");
     }
     const std::uint32_t bit = std::uint32_t{1} << group;
-    if ((block_.g_groups & bit) != 0)
-      return refuse(fault_, column, length, "E-BLOCK",
-                    fmt::format("G{:g}: two codes of one group in a block", value),
-                    "they contradict each other", "use two blocks");
+    if ((block_.g_groups & bit) != 0) {
+      // LinuxCNC lets G80 stand beside another motion code, which then counts alone.
+      constexpr int no_motion = 800;
+      if (code == no_motion) return true;
+      if (block_.g[static_cast<std::size_t>(group)] != no_motion)
+        return refuse(fault_, column, length, "E-BLOCK",
+                      fmt::format("G{:g}: two codes of one group in a block", value),
+                      "they contradict each other", "use two blocks");
+    }
     block_.g_groups |= bit;
     block_.g[static_cast<std::size_t>(group)] = static_cast<std::int16_t>(code);
     block_.g_column[static_cast<std::size_t>(group)] = static_cast<std::uint8_t>(column);

@@ -127,7 +127,7 @@ bool Control::choose_motion() {
   const bool axis_words = (b.words & kAxisLetters) != 0;
   const bool offset_words = b.g_code(8) == 431;
   const bool takes_axes = group0 == 100 || group0 == 280 || group0 == 300 || group0 == 520 || group0 == 920;
-  if (takes_axes || offset_words || group0 == 40 || group0 >= 921) {
+  if (takes_axes || offset_words || group0 >= 921) {
     covets_ = true;
     const std::size_t column = group0 >= 0 ? b.g_column[0] : b.g_column[8];
     if (explicit_motion >= 0 && explicit_motion != kNoMotion)
@@ -267,7 +267,7 @@ bool Control::modes() {
   if (const int code = change(2); code >= 0) plane_ = code;
   if (const int code = change(6); code >= 0) {
     unit_ = code == 200 ? abbe::inch : abbe::mm;
-    cycle_r_ = cycle_z_ = cycle_q_ = std::nullopt;  // sticky numbers of another unit
+    cycle_r_ = cycle_z_ = cycle_q_ = cycle_level_ = std::nullopt;  // sticky numbers of another unit
   }
   change(7);
   if (const int code = b.g_code(8); code >= 0 && !tool_offset(code)) return false;

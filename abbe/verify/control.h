@@ -84,10 +84,10 @@ class Control {
   double unit_ = 1;  ///< mm per program unit
   int plane_ = 170, feed_mode_ = 940, mode_ = 800;
   double feed_ = 0;
-  bool incremental_ = false, absolute_centres_ = false, retracts_to_r_ = false;
+  bool incremental_ = false, absolute_centres_ = false, retracts_to_r_ = true;  // G99: so LinuxCNC starts
   std::optional<Vec3> saved_g92_;
   std::optional<double> cycle_r_, cycle_z_, cycle_p_, cycle_q_;
-  Vec3 cycle_start_ = Vec3::Zero();  ///< axis commands before the first block of the cycle sequence
+  std::optional<double> cycle_level_;  ///< p along the cycle's axis before the first block of the sequence
   bool ended_ = false;
 
   // What the block did.

@@ -265,19 +265,25 @@ bool Control::canned_cycle() {
       return refuse_at('L', "E-CYCLE", fmt::format("L{} repeats", cycle.holes), "L counts holes: 1 or more",
                        "correct the L word");
   }
-  if (mode_ < 730 || mode_ == 800) cycle_start_ = m_.at;
+  const bool sequence_begins = mode_ < 730 || mode_ == 800;
+  if (sequence_begins) cycle_level_ = u_.at[c] - frames_.g92[c];
+  if (!cycle_level_)
+    return refuse(1, "E-CYCLE", "the units change inside a sequence of canned cycles",
+                  "its initial level would be read in other units", "end the cycle with G80 first");
 
-  // Heights in u along the cycle's axis.
+  // Heights in u along the cycle's axis. As in LinuxCNC the level before the whole sequence is what G98
+  // retracts to and what R adds to in G91; it is a number of the program, whatever frame it meets.
   const Vec3 start = u_.at;
-  const double r = incremental_ ? start[c] + *cycle_r_ : *cycle_r_ + frames_.g92[c];
+  double old = *cycle_level_ + frames_.g92[c], current = start[c];
+  const double r = incremental_ ? old + *cycle_r_ : *cycle_r_ + frames_.g92[c];
   const double bottom = incremental_ ? r + *cycle_z_ : *cycle_z_ + frames_.g92[c];
   if (!(r >= bottom))
     return refuse(1, "E-CYCLE", "the R level is below the bottom of the hole", "the control stops here",
                   "correct R or the depth");
   if (cycle.peck > 0 && r - bottom > kMaxRepeats * cycle.peck)
     return refuse(1, "E-CYCLE", "too many pecks", "Q is far too small for this depth", "correct Q");
-  const double before = program_of(frames_, {cycle_start_, kAllAxes}).at[c];
-  const double clear = retracts_to_r_ ? r : std::max(before, r);
+  if (old < r) old = current = r;  // straight to R first
+  const double clear = retracts_to_r_ ? r : old;
 
   Vec3 step = Vec3::Zero(), hole = start;
   for (const int axis : {a, b}) {
@@ -294,8 +300,8 @@ bool Control::canned_cycle() {
     u[c] = height;
     return machine_of(frames_, {u, kAllAxes}).at;
   };
-  cycle.lifted = at_height(start, std::max(start[c], r));
-  cycle.travel = at_height(hole, std::max(start[c], r));
+  cycle.lifted = at_height(start, current);
+  cycle.travel = at_height(hole, current > r ? current : clear);
   cycle.retract = at_height(hole, r);
   cycle.bottom = at_height(hole, bottom);
   cycle.clear = at_height(hole, clear);

@@ -274,9 +274,10 @@ void Comparison::account(Cover& cover, const Motion& piece, double t, const Vec3
   cover.last_s = s;
   cover.furthest = std::max(cover.furthest, s);
   cover.tip = tip;
-  const Vec3 original = point_at(cover.motion, inside);
   const Vec3 target = cover.path.point(inside);
-  const Vec3 before = model_.actual(original, approach_, nullptr) - target;
+  // The error at the output's command, where it is known already: from the one at the original's it differs by
+  // the correction times the gradient of the error, nanometres.
+  const Vec3 before = tip - model_.nominal(point_at(piece, t)) - datum_;
   travelled_ = cover.travelled_before + inside * cover.length;
   before_.add(before, weight, original_.line());
   after_.add(foot.across, weight, original_.line());

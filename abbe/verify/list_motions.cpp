@@ -55,8 +55,8 @@ class Lister {
       if ((travel - retract).norm() > 0) rapid(retract);
       if (cycle.peck > 0) list_pecks(motion, retract, bottom);
       feed(bottom);
-      const bool feeds_out =
-          motion.code == 740 || motion.code == 840 || motion.code == 850 || motion.code == 890;
+      if (motion.code == 850) feed(retract);
+      const bool feeds_out = motion.code == 740 || motion.code == 840 || motion.code == 890;
       feeds_out ? feed(clear) : rapid(clear);
     }
   }

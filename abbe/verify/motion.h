@@ -32,8 +32,8 @@ struct Cycle {
   int plane = 17;
   int holes = 1;                ///< L word
   bool retracts_to_r = false;   ///< G99
-  Vec3 lifted = Vec3::Zero();   ///< the start point, raised to R if it was below
-  Vec3 travel = Vec3::Zero();   ///< first hole at the height of `lifted`
+  Vec3 lifted = Vec3::Zero();   ///< the start point, moved straight to R if the sequence began below R
+  Vec3 travel = Vec3::Zero();   ///< first hole at the height at which the tool gets there
   Vec3 retract = Vec3::Zero();  ///< first hole at the R level
   Vec3 bottom = Vec3::Zero();   ///< first hole at its bottom
   Vec3 clear = Vec3::Zero();    ///< first hole at the level where the cycle ends

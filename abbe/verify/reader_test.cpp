@@ -161,6 +161,27 @@ TEST(Reader, CyclesAsLinuxCncExpandsThem) {
   }
 }
 
+TEST(Reader, CycleLevelsAreThoseOfTheSequence) {
+  // The sequence begins at 30. G99: the next hole is reached at its own R, straight from the last one's.
+  const Listing l = list(
+      "G0 X0 Y0 Z30\nG99 G85 X1 Y0 Z0 R10 F9\nX2 R20\nG98 X3 R5\nG80 G91 G99 G81 X1 Y0 Z-8 R-2\nX1\nG4 P1 "
+      "G90 G0 X0\n");
+  ASSERT_TRUE(l.diagnostics.empty()) << to_text(l.diagnostics.front());
+  const std::vector<std::array<double, 4>> expected = {
+      {0, 0, 0, 30},                                                              // G0
+      {0, 1, 0, 30}, {0, 1, 0, 10}, {1, 1, 0, 0},  {1, 1, 0, 10}, {0, 1, 0, 10},  // G85
+      {0, 2, 0, 20}, {1, 2, 0, 0},  {1, 2, 0, 20}, {0, 2, 0, 20},                 // R above where it stands
+      {0, 3, 0, 20}, {0, 3, 0, 5},  {1, 3, 0, 0},  {1, 3, 0, 5},  {0, 3, 0, 30},  // G98: back to 30
+      {0, 4, 0, 30}, {0, 4, 0, 28}, {1, 4, 0, 20}, {0, 4, 0, 28},                 // G91: R from 30
+      {0, 5, 0, 28}, {1, 5, 0, 20}, {0, 5, 0, 28},                                // again from 30
+      {0, 0, 0, 28}};
+  ASSERT_EQ(l.motions.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_EQ(l.motions[i].kind == Kind::line, expected[i][0] == 1) << i;
+    expect_end(l.motions[i], expected[i][1], expected[i][2], expected[i][3]);
+  }
+}
+
 TEST(Reader, HomeLeavesAxesUnknown) {
   const Listing l = list("G0 X1 Y2 Z3\nG91 G28 Z1\nG90 G0 X5\nG0 Z9\n");
   ASSERT_EQ(l.motions.size(), 5u);
@@ -218,7 +239,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Refusal{"G2 X0 Y0 R5 F1\n", "E-ARC", 1, 10}, Refusal{"G2 X10 Y0 I4 F1\n", "E-ARC", 1, 1},
                     Refusal{"G2 X10 R4.9 F1\n", "E-ARC", 1, 8}, Refusal{"G81 X1 Z-1\n", "E-CYCLE", 1, 1},
                     Refusal{"G81 Z1 R0\n", "E-CYCLE", 1, 1}, Refusal{"G83 Z-1 R0 Q0\n", "E-CYCLE", 1, 12},
-                    Refusal{"G93 G1 X1\n", "E-FEED", 1, 1}, Refusal{"G4 P1 X1\n", "E-BLOCK", 1, 1},
+                    Refusal{"G93 G1 X1\n", "E-FEED", 1, 1}, Refusal{"G4 P1 X1\n", "E-MODE", 1, 7},
                     Refusal{"G92 X1 G1\n", "E-BLOCK", 1, 1}, Refusal{"G4 P1 M62 P1\n", "E-BLOCK", 1, 11},
                     Refusal{"X1 . 5 . 2\n", "E-NUMBER", 1, 8},
                     Refusal{"N1 G0 X99999999999\n", "E-NUMBER", 1, 7}, Refusal{"G0 X1 N5\n", "E-BLOCK", 1, 7},

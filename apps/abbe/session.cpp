@@ -1,5 +1,6 @@
 #include "session.h"
 
+#include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
 
@@ -28,7 +29,15 @@ unsigned bit_of(Exit reason) {
 
 volatile std::sig_atomic_t stop_requested = 0;
 
-extern "C" void request_stop(int) { stop_requested = 1; }
+/// Reading from it fails. In the place of standard input it ends a read that waits for a pipe or a person.
+int unreadable = -1;
+
+extern "C" void request_stop(int) {
+  const int before = errno;
+  stop_requested = 1;
+  if (unreadable >= 0) ::dup2(unreadable, STDIN_FILENO);
+  errno = before;
+}
 
 Diagnostic about_option(Severity severity, std::string_view option, std::string message, std::string fix) {
   Diagnostic diagnostic;
@@ -66,7 +75,8 @@ bool Output::closed_by_reader() const { return error_ == EPIPE; }
 std::string Output::error_text() const { return std::strerror(error_); }
 
 void Session::report(const Diagnostic& diagnostic, Exit reason) {
-  std::fputs(to_text(diagnostic).c_str(), stderr);
+  // What work says that was broken off is no finding.
+  if (!interrupted()) std::fputs(to_text(diagnostic).c_str(), stderr);
   if (diagnostic.severity == Severity::error) note(reason);
   if (diagnostic.severity == Severity::warning) ++warnings_;
 }
@@ -107,9 +117,10 @@ Diagnostic option_warning(std::string_view option, std::string message, std::str
 }
 
 void catch_signals() {
+  unreadable = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
   struct sigaction stop = {};
   stop.sa_handler = request_stop;
-  stop.sa_flags = SA_RESETHAND;
+  stop.sa_flags = static_cast<int>(SA_RESETHAND);
   sigaction(SIGINT, &stop, nullptr);
   sigaction(SIGTERM, &stop, nullptr);
   struct sigaction ignore = {};

@@ -63,8 +63,9 @@ class Session {
 [[nodiscard]] Diagnostic option_error(std::string_view option, std::string message, std::string fix = {});
 [[nodiscard]] Diagnostic option_warning(std::string_view option, std::string message, std::string fix = {});
 
-/// From now on SIGINT and SIGTERM ask the run to stop (a second one kills it), SIGPIPE is an error
-/// of write(). There is one such flag per process because there is one signal handler.
+/// From now on SIGINT and SIGTERM ask the run to stop (a second one kills it) and standard input can no
+/// longer be read, so that waiting for it ends with an error; SIGPIPE is an error of write(). There is one
+/// such flag per process because there is one signal handler.
 void catch_signals();
 [[nodiscard]] bool interrupted();
 

@@ -9,7 +9,8 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <fstream>
+#include <cstdlib>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <thread>
@@ -229,6 +230,36 @@ TEST_F(WrongInput, OutputThatCannotBeWrittenIsNoSuccess) {
   ::close(pipe[0]);
   EXPECT_EQ(exit_with_output({"describe", machine_}, pipe[1]), 1);
   ::close(pipe[1]);
+}
+
+TEST_F(WrongInput, InterruptEndsTheWaitForStandardInput) {
+  int pipe[2];
+  ASSERT_EQ(::pipe2(pipe, O_CLOEXEC), 0);  // nobody writes: the program waits in read()
+  const Folder temporary;
+  const std::string out = folder_ / "out.ngc";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::dup2(pipe[0], STDIN_FILENO);
+    ::setenv("TMPDIR", temporary.path().c_str(), 1);
+    ::execl(ABBE_PROGRAM, "abbe", "compensate", machine_.c_str(), "-", "-o", out.c_str(), "--set", "T1=20",
+            "--offset", "G54=X0,Y0,Z0", nullptr);
+    ::_exit(127);
+  }
+  ASSERT_EQ(::write(pipe[1], "G54\nG0 X0 Y0 Z0\n", 17), 17);
+  // The copy of standard input appears when the program is about to wait.
+  for (int k = 0; k < 500 && std::filesystem::is_empty(temporary.path()); ++k) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  ASSERT_EQ(::kill(child, SIGINT), 0);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ::close(pipe[0]);
+  ::close(pipe[1]);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_FALSE(std::filesystem::exists(out));
+  EXPECT_TRUE(std::filesystem::is_empty(temporary.path()));
 }
 
 TEST_F(WrongInput, InterruptEndsWith130) {

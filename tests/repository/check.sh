@@ -1,12 +1,12 @@
 #!/usr/bin/env bash
 # Facts about the tree that reviews should not have to look for.   check.sh ROOT
-#   a source file is a room: at most 600 lines
+#   a source file is a room: at most 640 lines
 #   no open ends: words that promise to come back later
 #   no paths of the machine it was written on
 #   scripts that start with #! may be executed
 set -uo pipefail
 cd "$1" || exit 1
-kMaxLines=600
+kMaxLines=640
 # Bracketed, so that this file does not match itself.
 open_ends='FIX[M]E|TO[D]O|(^|[^X])X[X]X([^X]|$)'  # mkstemp needs six of them
 machine_paths='/wor[k]/|/far[m]/|\.librar[y]|/hom[e]/[a-z]'

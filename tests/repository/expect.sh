@@ -5,7 +5,7 @@ check=$1 tree=$2
 rm -rf "$tree"
 mkdir -p "$tree/abbe" "$tree/corpus"
 seq 601 | sed 's|^|// |' >"$tree/abbe/hall.cpp"
-seq 600 | sed 's|^|// |' >"$tree/abbe/room.cpp"
+seq 640 | sed 's|^|// |' >"$tree/abbe/room.cpp"
 printf '// TO%s: later\nint x;\n' DO >"$tree/abbe/later.h"
 printf 'see /wor%s/notes\n' k/me >"$tree/notes.md"
 printf '#!/bin/sh\n' >"$tree/go.sh"
