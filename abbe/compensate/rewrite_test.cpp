@@ -31,6 +31,13 @@ TEST(Rewrite, ZeroErrorsChangeNoByte) {
   EXPECT_EQ(result.text, program);
 }
 
+TEST(Rewrite, ZeroErrorsLeaveRadiusWordsAlone) {
+  const std::string program = "G0 X0 Y0 Z5\nG2 X10 Y0 R5 F100\nG3 X0 Y0 R5\nG2 X19.99999 Y0 R10\nG3 X10 Y10 R-8\nM2\n";
+  const auto result = rewrite(three_axes({}), program);
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, program);
+}
+
 TEST(Rewrite, CorrectionOpposesTheError) {
   const auto result = rewrite(offset_machine(), "G0 X0 Y0 Z5\nG1 X100 F500\nM2\n");
   ASSERT_TRUE(result.report.complete) << result.findings();

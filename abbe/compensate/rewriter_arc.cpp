@@ -21,6 +21,7 @@ constexpr int kMostPieces = 4096;
 constexpr double kSweepSlack = 0.02;
 // A radius rounded to the last digit moves the centre by R / h: beyond this chord/2R it is written as a centre.
 constexpr double kLargestRadiusForm = 0.94;
+constexpr double kUnchanged = 1e-9;  // mm
 // LinuxCNC (mm): radii at both ends differ by more than 100 times this, or by more than this and 0.1 %.
 constexpr double kCentreTolerance = 0.0282842712474619;  // 2 * 0.01 * sqrt(2)
 constexpr double kSpiralTolerance = 1e-3;
@@ -138,7 +139,10 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
   if (r && whole) {
     const double chord = std::hypot(end[a] - start[a], end[b] - start[b]);
     const auto centre = centre_of_radius(modal_.plane, start, end, r->value * modal_.unit(), clockwise);
-    if (centre && chord / (2 * std::abs(r->value * modal_.unit())) <= kLargestRadiusForm && holds(*centre)) {
+    // Ends that did not change mean what they meant, however badly R says it.
+    const bool unchanged = (start - nominal_start).norm() < kUnchanged && (end - nominal_end).norm() < kUnchanged;
+    const bool well_said = chord / (2 * std::abs(r->value * modal_.unit())) <= kLargestRadiusForm;
+    if (centre && (unchanged || well_said) && holds(*centre)) {
       piece.keeps_radius = true;
       return true;
     }
