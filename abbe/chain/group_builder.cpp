@@ -1,25 +1,17 @@
 #include "abbe/chain/group_builder.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <optional>
-#include <tuple>
+
+#include "abbe/chain/block_builder.h"
 
 namespace abbe {
 namespace {
 
-/// A polynomial or table of one axis position found inside a function, in the units of the file.
-struct PiecewiseLeaf {
-  const ErrorFunction* function = nullptr;
-  const ErrorFunction::Node* node = nullptr;
-  double factor = 1;
-};
-
 /// What a function is as a sum: a constant and leaves.
 struct PiecewiseSum {
   double constant = 0;
-  std::vector<PiecewiseLeaf> leaves;
+  std::vector<AxisLeaf> leaves;
 };
 
 class FunctionSorter {
@@ -34,7 +26,7 @@ class FunctionSorter {
     return std::all_of(used.begin(), used.end(), [&](int v) { return is_sensor(v); });
   }
 
-  /// nullopt if the function is more than a sum of polynomials and tables of positions.
+  /// nullopt if the function is more than a sum of polynomials, tables and sines of positions.
   [[nodiscard]] std::optional<PiecewiseSum> as_sum(const ErrorFunction& f, bool& outside) const {
     PiecewiseSum sum;
     if (f.nodes().empty()) return sum;
@@ -56,14 +48,15 @@ class FunctionSorter {
       case Form::constant:
       case Form::polynomial:
       case Form::linear:
-      case Form::cubic: {
+      case Form::cubic:
+      case Form::sine: {
         if (const std::optional<double> value = frozen_value(f, index, outside)) {
           sum.constant += factor * *value;
           return true;
         }
         if (machine_.variables[static_cast<std::size_t>(node.variable)].kind != Variable::Kind::position)
           return false;
-        sum.leaves.push_back({&f, &node, factor});
+        sum.leaves.push_back({&f, &node, factor, 0});
         return true;
       }
       case Form::sum:
@@ -110,40 +103,6 @@ class FunctionSorter {
   const std::vector<double>& variables_;
 };
 
-/// Leaves of the same axis, reference, domain and knots share a block.
-using BlockKey = std::tuple<int, double, double, double, double, std::vector<double>>;
-struct BlockDraft {
-  double inverse_step = 0;
-  std::size_t powers = 1;                                              // degree + 1
-  std::vector<std::vector<std::array<double, kComponents>>> segments;  // rows of each, lowest power first
-};
-
-/// A leaf in internal units: c_k (v - r)^k with v = q / unit becomes (c_k / unit^k) (q - r unit)^k.
-struct Piecewise {
-  std::vector<double> knots;
-  std::vector<std::vector<double>> coefficients;  // per knot, lowest power first
-};
-
-[[nodiscard]] Piecewise in_internal_units(const PiecewiseLeaf& leaf, double unit) {
-  using Form = ErrorFunction::Form;
-  namespace detail = error_function_detail;
-  const ErrorFunction::Node& node = *leaf.node;
-  const double* data = leaf.function->data().data() + node.data;
-  Piecewise out;
-  const bool table = node.form != Form::polynomial;
-  const std::size_t record = !table                      ? node.count
-                             : node.form == Form::linear ? detail::kLinearRecord
-                                                         : detail::kCubicRecord;
-  for (std::size_t i = 0; i < (table ? node.count : 1); ++i, data += record) {
-    out.knots.push_back(table ? data[0] * unit : 0.0);
-    std::vector<double>& row = out.coefficients.emplace_back();
-    double power = 1;
-    for (std::size_t k = table ? 1 : 0; k < record; ++k, power *= unit)
-      row.push_back(leaf.factor * data[k] / power);
-  }
-  return out;
-}
-
 class GroupBuilder {
  public:
   GroupBuilder(Plan::Impl& plan, int only) : plan_(plan), sorter_(*plan.machine, plan.variables) {
@@ -160,7 +119,7 @@ class GroupBuilder {
  private:
   struct Draft {
     Group group;
-    std::map<BlockKey, BlockDraft> blocks;
+    std::map<int, std::vector<AxisLeaf>> leaves;  // by axis
     std::vector<GeneralTerm> terms;
   };
 
@@ -185,30 +144,9 @@ class GroupBuilder {
     }
     plan_.constant_outside = plan_.constant_outside || outside;
     draft.group.constant[component] += error.scale * sum->constant;
-    for (const PiecewiseLeaf& leaf : sum->leaves) add_leaf(draft, leaf, error.scale, component);
-  }
-
-  void add_leaf(Draft& draft, const PiecewiseLeaf& leaf, double scale, std::size_t component) {
-    const ErrorFunction::Node& node = *leaf.node;
-    const double unit = plan_.unit[static_cast<std::size_t>(node.variable)];
-    // The ends are widened by rounding, so that 30 deg through radians is not beyond 30 deg.
-    const auto end = [&](double v, double outward) {
-      return (v + outward * 4 * std::numeric_limits<double>::epsilon() *
-                      (std::abs(v) + std::abs(node.reference))) *
-             unit;
-    };
-    const Piecewise piecewise = in_internal_units(leaf, unit);
-    const double period = node.periodic ? node.period * unit : 0.0;
-    BlockDraft& block = draft.blocks[{node.variable, node.reference * unit, end(node.lo, -1),
-                                      end(node.hi, +1), period, piecewise.knots}];
-    block.inverse_step = node.uniform ? node.inverse_step / unit : 0.0;
-    block.segments.resize(piecewise.knots.size());
-    for (std::size_t i = 0; i < piecewise.knots.size(); ++i) {
-      const std::vector<double>& row = piecewise.coefficients[i];
-      block.powers = std::max(block.powers, row.size());
-      auto& rows = block.segments[i];
-      if (rows.size() < row.size()) rows.resize(row.size(), {});
-      for (std::size_t k = 0; k < row.size(); ++k) rows[k][component] += scale * row[k];
+    for (const AxisLeaf& leaf : sum->leaves) {
+      draft.leaves[leaf.node->variable].push_back(
+          {leaf.function, leaf.node, leaf.factor * error.scale, error.name.direction});
     }
   }
 
@@ -224,10 +162,9 @@ class GroupBuilder {
       }
     }
     group.first_block = static_cast<std::uint32_t>(plan_.blocks.size());
-    for (const auto& [block_key, block] : draft.blocks) {
+    for (const auto& [axis, leaves] : draft.leaves) {
       const bool first = plan_.blocks.size() == group.first_block;
-      plan_.blocks.push_back(
-          make_block(block_key, block, first ? group.constant : std::array<double, kComponents>{}));
+      append_blocks(plan_, axis, leaves, first ? group.constant : std::array<double, kComponents>{});
     }
     group.block_count = static_cast<std::uint32_t>(plan_.blocks.size()) - group.first_block;
     group.first_term = static_cast<std::uint32_t>(plan_.terms.size());
@@ -236,29 +173,6 @@ class GroupBuilder {
     group.varies = group.block_count + group.term_count > 0;
     index_[key] = static_cast<int>(plan_.groups.size());
     plan_.groups.push_back(group);
-  }
-
-  /// `constant` is added to every segment: the group's constants cost nothing at run time.
-  [[nodiscard]] Block make_block(const BlockKey& key, const BlockDraft& draft,
-                                 const std::array<double, kComponents>& constant) {
-    Block out;
-    std::vector<double> knots;
-    std::tie(out.axis, out.reference, out.lo, out.hi, out.period, knots) = key;
-    out.bounded = std::isfinite(out.lo) || std::isfinite(out.hi);
-    out.degree = static_cast<int>(draft.powers) - 1;
-    out.inverse_step = draft.inverse_step;
-    out.segments = static_cast<std::uint32_t>(knots.size());
-    out.knots = static_cast<std::uint32_t>(plan_.knots.size());
-    out.data = static_cast<std::uint32_t>(plan_.coefficients.size());
-    plan_.knots.insert(plan_.knots.end(), knots.begin(), knots.end());
-    for (auto rows : draft.segments) {
-      rows.resize(draft.powers, {});
-      for (std::size_t k = 0; k < kComponents; ++k) rows[0][k] += constant[k];
-      for (auto row = rows.rbegin(); row != rows.rend(); ++row) {
-        plan_.coefficients.insert(plan_.coefficients.end(), row->begin(), row->end());
-      }
-    }
-    return out;
   }
 
   static constexpr std::array<signed char, kMaxAxes> kNoApproach{};

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <span>
 #include <type_traits>
@@ -38,71 +39,99 @@ struct CarriedTwist : Carried<T, N> {
   Vec3T<T> e = Vec3T<T>::Zero();
 };
 
-/// The segment of a block that holds x: the last knot not above it, or the first.
+/// The segment of a block that holds x. No number: some segment.
 [[nodiscard]] inline std::uint32_t segment_of(const Plan::Impl& plan, const Block& block, double x) {
-  const double* knots = plan.knots.data() + block.knots;
-  const std::uint32_t last = block.segments - 1;
-  if (block.inverse_step > 0) {
-    const double guess = (x - knots[0]) * block.inverse_step;
-    std::uint32_t i = guess > 0 ? (guess < last ? static_cast<std::uint32_t>(guess) : last) : 0;
-    // Rounding may have put us one segment off.
-    if (i > 0 && knots[i] > x) --i;
-    if (i < last && knots[i + 1] <= x) ++i;
-    return i;
-  }
-  std::uint32_t base = 0;
-  for (std::uint32_t left = block.segments; left > 1;) {
-    const std::uint32_t half = left / 2;
-    base = knots[base + half] <= x ? base + half : base;
-    left -= half;
-  }
-  return base;
+  const double place = (x - block.bucket_lo) * block.buckets_per_unit;
+  const std::uint32_t most = block.bucket_count - 1;
+  const std::uint32_t bucket = place > 0 ? (place < most ? static_cast<std::uint32_t>(place) : most) : 0;
+  std::uint32_t i = plan.buckets[block.first_bucket + bucket];
+  const double* const knots = plan.knots.data() + block.knots;
+  while (i + 1 < block.segments && knots[i + 1] <= x) ++i;
+  return i;
 }
 
-/// Six piecewise polynomials side by side, by Horner's rule.
+/// Six components of an error factor side by side.
 template <class T>
-inline void evaluate(const Plan::Impl& plan, const Block& block, const Inputs<T>& in,
-                     std::array<T, kComponents>& value, bool* outside) {
-  T x = in.q[block.axis] - T(block.reference);
-  if (block.bounded && !(value_of(x) >= block.lo && value_of(x) <= block.hi)) {
-    x = T(value_of(x) > block.hi ? block.hi : block.lo);
-    *outside = true;
+using Six = Eigen::Array<T, kComponents, 1>;
+
+/// The sines of a block where they are not tabulated.
+template <class T>
+inline void add_waves(const Plan::Impl& plan, const Block& block, const T& x, Six<T>& value) {
+  using std::sin;
+  for (std::uint32_t i = 0; i < block.wave_count; ++i) {
+    const Wave& wave = plan.waves[block.first_wave + i];
+    const double at = value_of(x);
+    const T held = at < wave.lo ? T(wave.lo) : at > wave.hi ? T(wave.hi) : x;
+    value[wave.component] += T(wave.amplitude) * sin(T(wave.frequency) * held + T(wave.phase));
   }
-  const double* row = plan.coefficients.data() + block.data;
-  if (block.segments > 1) {
-    if (block.period > 0) {
-      const double first = plan.knots[block.knots], turns = std::floor((value_of(x) - first) / block.period);
-      if (turns != 0 && std::isfinite(turns)) x = x - T(turns * block.period);
-    }
-    const std::uint32_t i = segment_of(plan, block, value_of(x));
-    x = x - T(plan.knots[block.knots + i]);
-    row += static_cast<std::size_t>(i) * static_cast<std::size_t>(block.degree + 1) * kComponents;
-  }
-  for (std::size_t k = 0; k < kComponents; ++k) value[k] = T(row[k]);
-  for (int power = 0; power < block.degree; ++power) {
+}
+
+/// Horner's rule for six polynomials side by side: rows of coefficients, highest power first.
+template <class T>
+[[nodiscard]] inline Six<T> six_polynomials(const double* row, std::uint32_t rows, const T& x) {
+  using Row = Eigen::Map<const Six<double>>;
+  Six<T> value = Row(row).template cast<T>();
+  for (std::uint32_t power = 1; power < rows; ++power) {
     row += kComponents;
-    for (std::size_t k = 0; k < kComponents; ++k) value[k] = value[k] * x + T(row[k]);
+    value = (value * x + Row(row).template cast<T>()).eval();
   }
+  return value;
+}
+template <>
+[[nodiscard]] inline Six<double> six_polynomials(const double* row, std::uint32_t rows, const double& x) {
+  using Pair = double __attribute__((vector_size(16)));  // three registers, which the compiler does not find
+  Pair a, b, c;
+  const auto load = [&](Pair& to, int at) { std::memcpy(&to, row + at, sizeof to); };
+  load(a, 0), load(b, 2), load(c, 4);
+  for (std::uint32_t power = 1; power < rows; ++power) {
+    row += kComponents;
+    Pair ka, kb, kc;
+    load(ka, 0), load(kb, 2), load(kc, 4);
+    a = a * x + ka;
+    b = b * x + kb;
+    c = c * x + kc;
+  }
+  Six<double> value;
+  value << a[0], a[1], b[0], b[1], c[0], c[1];
+  return value;
+}
+
+/// The tabulated functions of one axis position.
+template <class T>
+[[nodiscard]] inline Six<T> evaluate(const Plan::Impl& plan, const Block& block, const Inputs<T>& in,
+                                     bool* outside) {
+  const T q = in.q[block.axis];
+  T x = q;
+  if (block.bounded && !(value_of(x) >= block.lo && value_of(x) <= block.hi)) *outside = true;
+  if (block.period > 0) {
+    const double turns = std::floor((value_of(x) - block.period_lo) / block.period);
+    if (turns != 0 && std::isfinite(turns)) x = x - T(turns * block.period);
+  }
+  const std::uint32_t i = segment_of(plan, block, value_of(x));
+  x = x - T(plan.knots[block.knots + i]);
+  const double* const row =
+      plan.coefficients.data() + block.data + static_cast<std::size_t>(i) * block.rows * kComponents;
+  Six<T> value = six_polynomials<T>(row, block.rows, x);
+  if (block.wave_count > 0 && !(value_of(q) >= block.waves_lo && value_of(q) <= block.waves_hi))
+    add_waves(plan, block, q, value);
+  return value;
 }
 
 /// The six components of an error factor for these inputs (docs/theory/chain.md, equation 4).
 template <class T>
 inline void evaluate(const Plan::Impl& plan, const Group& group, const Inputs<T>& in, Vec3T<T>& d,
                      Vec3T<T>& e, bool* outside) {
-  std::array<T, kComponents> sum;
+  Six<T> sum;
   if (group.block_count > 0) {
-    evaluate(plan, plan.blocks[group.first_block], in, sum, outside);
-    for (std::uint32_t b = 1; b < group.block_count; ++b) {
-      std::array<T, kComponents> more;
-      evaluate(plan, plan.blocks[group.first_block + b], in, more, outside);
-      for (std::size_t k = 0; k < kComponents; ++k) sum[k] += more[k];
-    }
+    sum = evaluate<T>(plan, plan.blocks[group.first_block], in, outside);
+    for (std::uint32_t b = 1; b < group.block_count; ++b)
+      sum += evaluate<T>(plan, plan.blocks[group.first_block + b], in, outside);
   } else {
-    for (std::size_t k = 0; k < kComponents; ++k) sum[k] = T(group.constant[k]);
+    sum = Eigen::Map<const Six<double>>(group.constant.data()).template cast<T>();
   }
   for (std::uint32_t i = 0; i < group.term_count; ++i) {
     const GeneralTerm& term = plan.terms[group.first_term + i];
-    sum[static_cast<std::size_t>(term.component)] +=
+    sum[term.component] +=
         T(term.scale) * term.function->template value<T>(in.variables, in.approach, outside);
   }
 

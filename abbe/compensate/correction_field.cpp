@@ -1,10 +1,16 @@
 #include "abbe/compensate/correction_field.h"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace abbe {
 namespace {
+
+// The iteration along a path: see CorrectOptions::position_tolerance for when it ends.
+constexpr double kFirstRate = 1.0 / 16;
+constexpr int kMaxSteps = 6;
 
 // Looked-at travel of an axis without a stated range, mm.
 constexpr double kOpenTravel = 3000;
@@ -12,6 +18,8 @@ constexpr double kOpenTravel = 3000;
 constexpr std::size_t kMaxKnots = 20000;
 // A command may leave its range by the rounding of its digits.
 constexpr double kTravelSlack = 1e-6;
+// Least determinant of the three axis directions.
+constexpr double kIndependent = 1e-3;
 // How the error is scanned for bends: travel of axes without a range, distance of places, mm, and their number.
 constexpr double kUsualTravel = 500;
 constexpr double kStep = 5;
@@ -71,7 +79,9 @@ CorrectionField::CorrectionField(const Plan& plan, const ProgramAxes& axes, bool
   }
   for (int k = 0; k < 3; ++k) {
     const auto i = static_cast<std::size_t>(k);
+    constexpr double infinity = std::numeric_limits<double>::infinity();
     range_[i] = machine.axis(axes.index[i]).range;
+    travel_[i] = range_[i].value_or(std::array<double, 2>{-infinity, infinity});
     knots_[i] = knots_of(machine, axes.index[i]);
   }
   for (const auto& error : machine.errors) directional_ = directional_ || error.function.is_directional();
@@ -135,7 +145,16 @@ void CorrectionField::set_datum_point(const Vec3& m0) {
 
 void CorrectionField::refresh_datum() {
   options_.target_shift = Vec3::Zero();
-  last_offset_.fill(0);
+  last_offset_ = Vec3::Zero();
+  // tip_nominal(m) = A m + b: three linear axes between constant bodies
+  constexpr double kProbe = 1024;  // mm, a power of two: the division is exact
+  nominal_offset_ = nominal_tip(plan_, query(Vec3::Zero()));
+  for (Eigen::Index k = 0; k < 3; ++k)
+    nominal_axes_.col(k) = (nominal_tip(plan_, query(Vec3(kProbe * Vec3::Unit(k)))) - nominal_offset_) / kProbe;
+  const double volume = nominal_axes_.determinant();
+  independent_ = std::abs(volume) > kIndependent;
+  if (independent_) inverse_axes_ = nominal_axes_.inverse();
+  path_query_ = query(Vec3::Zero());
   if (!probed_) return;
   const Query at_datum = query(datum_point_);
   // D0 = tip_actual(m0) - tip_nominal(m0)
@@ -143,23 +162,54 @@ void CorrectionField::refresh_datum() {
   if (shift.allFinite()) options_.target_shift = shift;
 }
 
+int CorrectionField::beyond_travel(const Vec3& m) const {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double v = m[static_cast<Eigen::Index>(k)];
+    if (v < travel_[k][0] - kTravelSlack || v > travel_[k][1] + kTravelSlack) return static_cast<int>(k);
+  }
+  return -1;
+}
+
+/// The usual case along a path: all three axes free, the correction within the travels, a few steps of
+///   q := q - A^-1 (tip_actual(q) - target)
+/// False: let correct() say what is the matter.
+bool CorrectionField::follow(const Vec3& m, const std::array<signed char, 3>& approach, Answer& answer) {
+  const Vec3 target = nominal_axes_ * m + nominal_offset_ + options_.target_shift;
+  Vec3 q = m + last_offset_;
+  for (std::size_t k = 0; k < 3; ++k) path_query_.approach[static_cast<std::size_t>(axes_.index[k])] = approach[k];
+  double before = 0;
+  for (int i = 0; i < kMaxSteps; ++i) {
+    bool outside = false;
+    for (std::size_t k = 0; k < 3; ++k)
+      path_query_.q[static_cast<std::size_t>(axes_.index[k])] = q[static_cast<Eigen::Index>(k)];
+    const Vec3 step = inverse_axes_ * (target - actual_tip(plan_, path_query_, &outside));
+    q += step;
+    const double size = step.norm();
+    if (outside || !std::isfinite(size) || beyond_travel(q) >= 0) return false;
+    const double rate = before > 0 ? std::clamp(4 * size / before, 1e-3, 1.0) : kFirstRate;
+    before = size;
+    if (size > options_.position_tolerance && size * rate > options_.position_tolerance) continue;
+    answer.q = q;
+    last_offset_ = q - m;
+    return true;
+  }
+  return false;
+}
+
 CorrectionField::Answer CorrectionField::at(const Vec3& m, unsigned withheld, const std::array<signed char, 3>& approach) {
   Answer answer;
   answer.q = m;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (!range_[k]) continue;
-    const double v = m[static_cast<Eigen::Index>(k)];
-    if (v < (*range_[k])[0] - kTravelSlack || v > (*range_[k])[1] + kTravelSlack) {
-      answer.trouble = Trouble::travel;
-      answer.axis = static_cast<int>(k);
-      return answer;
-    }
+  if (const int axis = beyond_travel(m); axis >= 0) {
+    answer.trouble = Trouble::travel;
+    answer.axis = axis;
+    return answer;
   }
+  if (withheld == 0 && independent_ && follow(m, approach, answer)) return answer;
   Query q = query(m);
   for (std::size_t k = 0; k < 3; ++k) q.approach[static_cast<std::size_t>(axes_.index[k])] = approach[k];
   std::array<double, kMaxAxes> start = q.q;
   for (std::size_t k = 0; k < 3; ++k) {
-    if (!(withheld & (1u << k))) start[static_cast<std::size_t>(axes_.index[k])] += last_offset_[k];
+    if (!(withheld & (1u << k))) start[static_cast<std::size_t>(axes_.index[k])] += last_offset_[static_cast<Eigen::Index>(k)];
   }
   const Correction correction = correct(plan_, q, free_[withheld], options_, &start);
   if (correction.status == Status::failed) {
@@ -176,20 +226,15 @@ CorrectionField::Answer CorrectionField::at(const Vec3& m, unsigned withheld, co
   for (std::size_t k = 0; k < 3; ++k) {
     const double corrected = correction.corrected[static_cast<std::size_t>(axes_.index[k])];
     answer.q[static_cast<Eigen::Index>(k)] = corrected;
-    if (!(withheld & (1u << k))) last_offset_[k] = corrected - m[static_cast<Eigen::Index>(k)];
+    if (!(withheld & (1u << k))) last_offset_[static_cast<Eigen::Index>(k)] = corrected - m[static_cast<Eigen::Index>(k)];
   }
   if (correction.outside) {
     answer.trouble = Trouble::outside;
     return answer;
   }
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (!range_[k]) continue;
-    const double v = answer.q[static_cast<Eigen::Index>(k)];
-    if (v < (*range_[k])[0] - kTravelSlack || v > (*range_[k])[1] + kTravelSlack) {
-      answer.trouble = Trouble::travel;
-      answer.axis = static_cast<int>(k);
-      return answer;
-    }
+  if (const int axis = beyond_travel(answer.q); axis >= 0) {
+    answer.trouble = Trouble::travel;
+    answer.axis = axis;
   }
   return answer;
 }

@@ -54,6 +54,8 @@ class CorrectionField {
  private:
   void refresh_datum();
   [[nodiscard]] Query query(const Vec3& m) const;
+  [[nodiscard]] int beyond_travel(const Vec3& m) const;
+  [[nodiscard]] bool follow(const Vec3& m, const std::array<signed char, 3>& approach, Answer& answer);
 
   Plan plan_;
   ProgramAxes axes_;
@@ -63,9 +65,14 @@ class CorrectionField {
   Vec3 datum_point_ = Vec3::Zero();
   std::array<AxisSet, 8> free_{};                   ///< by withheld bits
   std::array<std::optional<std::array<double, 2>>, 3> range_;
+  std::array<std::array<double, 2>, 3> travel_{};   ///< the same, infinite where none is given
+  Mat3 nominal_axes_ = Mat3::Identity(), inverse_axes_ = Mat3::Identity();
+  Vec3 nominal_offset_ = Vec3::Zero();
+  bool independent_ = false;                        ///< the three axes move the tip in every direction
+  Query path_query_;                                ///< other axes at 0, the tool in use
   std::array<std::vector<double>, 3> knots_;
   CorrectOptions options_;
-  std::array<double, kMaxAxes> last_offset_{};      ///< correction found last: where the next search starts
+  Vec3 last_offset_ = Vec3::Zero();                 ///< correction found last: where the next search starts
 };
 
 }  // namespace abbe

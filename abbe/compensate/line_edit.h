@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <string_view>
 
@@ -13,14 +14,15 @@ namespace abbe {
 class LineEdit {
  public:
   void reset(const Block& block);
-  void replace(const Word& word, std::string_view number);
+  /// Where the new number of a word goes: empty, to be appended to.
+  [[nodiscard]] std::string& replace(const Word& word);
   void remove(const Word& word);
-  /// Adds a word after the last one.
-  void add(char letter, std::string_view number);
+  /// Adds a word after the last one: what its number is appended to.
+  [[nodiscard]] std::string& add(char letter);
   /// Adds already spelled words after the last one ("M30").
   void add(std::string_view words);
 
-  [[nodiscard]] bool changed() const { return changed_; }
+  [[nodiscard]] bool changed() const { return (replaced_ | removed_) != 0 || !added_.empty(); }
   /// The line without end-of-line bytes, appended to `out`.
   void append_to(std::string& out) const;
 
@@ -28,13 +30,11 @@ class LineEdit {
   [[nodiscard]] std::size_t index_of(const Word& word) const;
 
   const Block* block_ = nullptr;
-  bool changed_ = false;
   bool spaced_ = true;
-  struct Change {
-    bool replaced = false, removed = false;
-    std::string number;
-  };
-  std::array<Change, Block::kMaxWords> changes_;
+  // Bit i = word i of the block; numbers_[i] is its new number.
+  static_assert(Block::kMaxWords <= 64);
+  std::uint64_t replaced_ = 0, removed_ = 0;
+  std::array<std::string, Block::kMaxWords> numbers_;
   std::string added_;
 };
 

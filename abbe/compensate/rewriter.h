@@ -152,7 +152,6 @@ class Rewriter {
 
   std::vector<MoveSample> samples_;
   std::vector<ArcTarget> targets_;
-  std::string scratch_;
   std::string move_text_;         ///< decision in words, for the trace
 };
 

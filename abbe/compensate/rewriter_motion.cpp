@@ -217,13 +217,8 @@ bool Rewriter::sample_line(const Move& move, const Vec3& end_correction, const s
 void Rewriter::put_feed_share(double fraction, bool first, std::string* extra) {
   const Word* f = instruction_.find(block_, 'F');
   if (modal_.feed_mode != 930 || !f || fraction >= 1) return;
-  scratch_.clear();
-  append_fixed(scratch_, f->value / fraction, std::max<int>(f->decimals, 4));
-  if (first) {
-    edit_.replace(*f, scratch_);
-  } else {
-    *extra += " F" + scratch_;
-  }
+  if (!first) *extra += " F";
+  append_fixed(first ? edit_.replace(*f) : *extra, f->value / fraction, std::max<int>(f->decimals, 4));
 }
 
 // What ends or stops the program happens after the motion: on a split block after the last piece.
@@ -258,17 +253,11 @@ Rewriter::Value Rewriter::axis_value(int k, const Vec3& want, const Vec3& p_out,
 }
 
 void Rewriter::put(char letter, const Word* word, double number, int decimals, bool first, std::string* extra) {
-  scratch_.clear();
-  append_fixed(scratch_, number, decimals);
-  if (word) {
-    edit_.replace(*word, scratch_);
-  } else if (first) {
-    edit_.add(letter, scratch_);
-  } else {
+  if (!word && !first) {
     *extra += ' ';
     *extra += letter;
-    *extra += scratch_;
   }
+  append_fixed(word ? edit_.replace(*word) : first ? edit_.add(letter) : *extra, number, decimals);
 }
 
 void Rewriter::command(const Vec3& want, bool first, Vec3& p_out, std::string* extra, unsigned skip) {

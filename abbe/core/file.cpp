@@ -294,7 +294,9 @@ void LineReader::read_on() {
     const char* const from = s.buffer.data() + s.begin;
     const char* const to = s.buffer.data() + s.end;
     if (s.end == s.begin) continue;
-    s.lines += static_cast<std::size_t>(std::count(from, to, '\n'));
+    for (const char* p = from; p != to && (p = static_cast<const char*>(
+                                               std::memchr(p, '\n', static_cast<std::size_t>(to - p)))) != nullptr; ++p)
+      ++s.lines;
     last = s.buffer[s.end - 1];
     s.consume(s.end - s.begin);
   } while (s.refill());

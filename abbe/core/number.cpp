@@ -12,52 +12,16 @@
 namespace abbe {
 namespace {
 
-constexpr std::uint64_t kTwo52 = std::uint64_t{1} << 52;
-constexpr std::uint64_t kTwo53 = std::uint64_t{1} << 53;
-constexpr int kExactPowers = 22;        // 10^22 is the largest power of ten that is a double
-constexpr int kMaxMantissaDigits = 18;  // fit an int64
-constexpr int kMaxScaledDecimals = 15;  // 2^52 has 16 digits, one of them is in front of the point
+using number_detail::kExactPowers;
+using number_detail::kMaxMantissaDigits;
+using number_detail::kPower10;
+using number_detail::kTwo53;
 
-constexpr std::array<double, kExactPowers + 1> kPower10 = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
-                                                           1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
-                                                           1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
-constexpr std::array<std::uint64_t, 9> kIntegerPower10 = {1,      10,      100,      1000,     10000,
-                                                          100000, 1000000, 10000000, 100000000};
+constexpr std::uint64_t kTwo52 = std::uint64_t{1} << 52;
+constexpr int kMaxScaledDecimals = 15;  // 2^52 has 16 digits, one of them is in front of the point
 
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
-
-// The 8 bytes at `p`, first byte lowest; bytes behind `end` read as 0. Needs end - begin >= 8.
-std::uint64_t load8(const char* begin, const char* p, const char* end) {
-  const auto left = end - p;
-  std::uint64_t word = 0;
-  if (left >= 8) {
-    std::memcpy(&word, p, 8);
-    return word;
-  }
-  if (left <= 0 || end - begin < 8) return 0;
-  std::memcpy(&word, end - 8, 8);
-  return word >> (8 * (8 - left));
-}
-
-// Number of leading bytes of `word` that are digits, 0..8.
-int leading_digits(std::uint64_t word) {
-  // A byte is a digit if its high nibble is 3 and stays 3 when 6 is added to it.
-  const std::uint64_t high = 0xF0F0F0F0F0F0F0F0U;
-  const std::uint64_t wrong =
-      ((word & high) ^ 0x3030303030303030U) | (((word + 0x0606060606060606U) & high) ^ 0x3030303030303030U);
-  // Adding may carry out of a byte only above a byte that is itself wrong: the first wrong one is right.
-  return wrong == 0 ? 8 : std::countr_zero(wrong) / 8;
-}
-
-// The number in the first `count` digits of `word`, count 1..8.
-std::uint64_t eight_digits(std::uint64_t word, int count) {
-  word = (word & 0x0F0F0F0F0F0F0F0FU) << (8 * (8 - count));  // leading zeros
-  word = (word * 10) + (word >> 8);                          // pairs
-  return (((word & 0x000000FF000000FFU) * 0x000F424000000064U) +
-          (((word >> 16) & 0x000000FF000000FFU) * 0x0000271000000001U)) >>
-         32;
-}
 
 // Any length, correctly rounded: for numbers with more digits than a double can hold exactly.
 Decimal read_long(const char* first, const char* last, Decimal shape, bool negative) {
@@ -159,7 +123,9 @@ double append_fixed_slow(std::string& out, double value, int decimals) {
 
 }  // namespace
 
-Decimal read_decimal(std::string_view text) {
+namespace number_detail {
+
+Decimal read_long_decimal(std::string_view text) {
   Decimal out;
   const char* const begin = text.data();
   const char* const end = begin + text.size();
@@ -170,47 +136,6 @@ Decimal read_decimal(std::string_view text) {
     negative = *p++ == '-';
   }
   const char* const first = p;
-
-  // Up to 7 digits before the point and 15 behind it, 8 bytes at a time and without a branch per digit.
-  if (std::endian::native == std::endian::little && text.size() >= 8) {
-    const std::uint64_t head = load8(begin, p, end);
-    const int whole = leading_digits(head);
-    std::uint64_t mantissa = whole == 0 ? 0 : eight_digits(head, whole);
-    int decimals = 0;
-    bool complete = whole < 8;
-    p += whole;
-    if (complete && p != end && *p == '.') {
-      out.has_point = true;
-      ++p;
-      for (int part = 0; part < 2; ++part) {
-        const std::uint64_t tail = load8(begin, p, end);
-        const int digits = leading_digits(tail);
-        if (digits > 0) {
-          mantissa =
-              mantissa * kIntegerPower10[static_cast<std::size_t>(digits)] + eight_digits(tail, digits);
-        }
-        p += digits;
-        decimals += digits;
-        complete = digits < 8;
-        if (complete) break;
-      }
-    }
-    if (complete) {
-      if (whole + decimals == 0) return {};
-      out.decimals = decimals;
-      out.length = static_cast<std::size_t>(p - begin);
-      // 18 digits cannot have overflowed; mantissa and 10^decimals are exact, so their quotient is correctly
-      // rounded.
-      if (whole + decimals > kMaxMantissaDigits || mantissa >= kTwo53)
-        return read_long(first, p, out, negative);
-      const double value = static_cast<double>(mantissa) / kPower10[static_cast<std::size_t>(decimals)];
-      out.value = negative ? -value : value;
-      return out;
-    }
-    p = first;
-    out.has_point = false;
-  }
-
   std::uint64_t mantissa = 0;
   int significant = 0;
   const auto take = [&](char c) {
@@ -235,6 +160,8 @@ Decimal read_decimal(std::string_view text) {
   out.value = negative ? -value : value;
   return out;
 }
+
+}  // namespace number_detail
 
 std::optional<double> read_number(std::string_view text) {
   while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -36,5 +38,52 @@ double append_fixed(std::string& out, double value, int decimals);
 
 /// Shortest text that reads back to the same double (17 significant digits at most).
 [[nodiscard]] std::string to_shortest(double value);
+
+namespace number_detail {
+
+inline constexpr std::uint64_t kTwo53 = std::uint64_t{1} << 53;
+inline constexpr int kMaxMantissaDigits = 18;  // fit an int64
+inline constexpr int kExactPowers = 22;        // 10^22 is the largest power of ten that is a double
+inline constexpr std::array<double, kExactPowers + 1> kPower10 = {
+    1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,  1e10, 1e11,
+    1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
+
+/// Any count of digits, and everything that is no number.
+[[nodiscard]] Decimal read_long_decimal(std::string_view text);
+
+}  // namespace number_detail
+
+// Numbers of programs have few digits: the plain loop, inlined, is then the fastest.
+inline Decimal read_decimal(std::string_view text) {
+  using namespace number_detail;
+  Decimal out;
+  const char* p = text.data();
+  const char* const end = p + text.size();
+  bool negative = false;
+  if (p != end && (*p == '+' || *p == '-')) {
+    out.has_sign = true;
+    negative = *p++ == '-';
+  }
+  const auto digit_of = [](char c) { return static_cast<unsigned char>(c) - static_cast<unsigned>('0'); };
+  const char* const first = p;
+  std::uint64_t mantissa = 0;
+  for (unsigned digit = 0; p != end && (digit = digit_of(*p)) < 10; ++p) mantissa = mantissa * 10 + digit;
+  auto digits = p - first;
+  if (p != end && *p == '.') {
+    out.has_point = true;
+    const char* const after_point = ++p;
+    for (unsigned digit = 0; p != end && (digit = digit_of(*p)) < 10; ++p) mantissa = mantissa * 10 + digit;
+    out.decimals = static_cast<int>(p - after_point);
+    digits += out.decimals;
+  }
+  // 18 digits cannot have overflowed; mantissa and 10^decimals are exact, so their quotient is correctly
+  // rounded.
+  if (digits == 0 || digits > kMaxMantissaDigits || mantissa >= kTwo53)
+    return read_long_decimal(text);
+  out.length = static_cast<std::size_t>(p - text.data());
+  const double value = static_cast<double>(mantissa) / kPower10[static_cast<std::size_t>(out.decimals)];
+  out.value = negative ? -value : value;
+  return out;
+}
 
 }  // namespace abbe

@@ -15,6 +15,9 @@ bool refuse(Fault& fault, std::size_t column, std::size_t length, const char* co
   return false;
 }
 
+constexpr Letters kValueLetters =
+    letters('N', 'T', 'S', 'F', 'D', 'H', 'L', 'P', 'Q', 'R', 'X', 'Y', 'Z', 'I', 'J', 'K');
+
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t'; }
 constexpr bool is_number_start(char c) { return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-'; }
 
@@ -181,7 +184,7 @@ class Scanner {
       }
       const char upper = static_cast<char>(static_cast<unsigned char>(c) & 0xDFu);
       if (upper >= 'A' && upper <= 'Z') {
-        if (!word(upper, first)) return false;
+        if (!plain_word(upper) && !word(upper, first)) return false;
         first = false;
       } else if (c == '(' || c == ';') {
         if (!comment(c)) return false;
@@ -231,6 +234,23 @@ class Scanner {
   bool expression() {
     return refuse(fault_, at_ + 1, 1, "E-EXPR", "variables and expressions are not read",
                   "their value is known only to the control", "post the program with literal numbers");
+  }
+
+  /// The usual word: a value letter, at once its number, then the end or a blank and the next word.
+  /// False: nothing was read.
+  bool plain_word(char letter) {
+    const Letters bit = letter_bit(letter);
+    if ((kValueLetters & bit) == 0 || letter == 'N' || (block_.words & bit) != 0) return false;
+    const Decimal number = read_decimal(line_.substr(at_ + 1));
+    std::size_t next = at_ + 1 + number.length;
+    if (next < line_.size() && line_[next] == ' ') ++next;
+    const bool ends = next == line_.size() || (line_[next] >= 'A' && line_[next] <= 'Z');
+    if (number.length == 0 || !ends || !(std::abs(number.value) <= kMaxNumber)) return false;
+    block_.words |= bit;
+    block_.value[static_cast<std::size_t>(letter - 'A')] = number.value;
+    block_.column[static_cast<std::size_t>(letter - 'A')] = static_cast<std::uint8_t>(at_ + 1);
+    at_ = next;
+    return true;
   }
 
   bool word(char letter, bool first) {
@@ -322,11 +342,9 @@ class Scanner {
   }
 
   bool value_word(char letter, double value, std::size_t column, bool first) {
-    constexpr Letters known =
-        letters('N', 'T', 'S', 'F', 'D', 'H', 'L', 'P', 'Q', 'R', 'X', 'Y', 'Z', 'I', 'J', 'K');
     const std::size_t length = at_ + 1 - column;
     const Letters bit = letter_bit(letter);
-    if ((known & bit) == 0) {
+    if ((kValueLetters & bit) == 0) {
       if (letter == 'A' || letter == 'B' || letter == 'C')
         return refuse(fault_, column, length, "E-ROTARY", fmt::format("rotary word {}", letter),
                       "programs with rotary motion are not compensated",
