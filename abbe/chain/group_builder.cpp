@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "abbe/chain/block_builder.h"
+#include "abbe/chain/axis_table_builder.h"
 
 namespace abbe {
 namespace {
@@ -161,16 +161,16 @@ class GroupBuilder {
         group.lever = *body.measured_at - body.origin;
       }
     }
-    group.first_block = static_cast<std::uint32_t>(plan_.blocks.size());
+    group.first_table = static_cast<std::uint32_t>(plan_.tables.size());
     for (const auto& [axis, leaves] : draft.leaves) {
-      const bool first = plan_.blocks.size() == group.first_block;
-      append_blocks(plan_, axis, leaves, first ? group.constant : std::array<double, kComponents>{});
+      const bool first = plan_.tables.size() == group.first_table;
+      append_tables(plan_, axis, leaves, first ? group.constant : std::array<double, kComponents>{});
     }
-    group.block_count = static_cast<std::uint32_t>(plan_.blocks.size()) - group.first_block;
+    group.table_count = static_cast<std::uint32_t>(plan_.tables.size()) - group.first_table;
     group.first_term = static_cast<std::uint32_t>(plan_.terms.size());
     plan_.terms.insert(plan_.terms.end(), draft.terms.begin(), draft.terms.end());
     group.term_count = static_cast<std::uint32_t>(draft.terms.size());
-    group.varies = group.block_count + group.term_count > 0;
+    group.varies = group.table_count + group.term_count > 0;
     index_[key] = static_cast<int>(plan_.groups.size());
     plan_.groups.push_back(group);
   }

@@ -11,8 +11,8 @@ namespace abbe {
 using GroupKey = std::pair<int, ErrorClass>;
 using GroupIndex = std::map<GroupKey, int>;  ///< -> index in Plan::Impl::groups
 
-/// Fills groups, blocks and terms of `plan` from its machine's errors: functions of frozen variables
-/// become constants, polynomials and tables of positions blocks, all others stay functions.
+/// Fills groups, tables and terms of `plan` from its machine's errors: functions of frozen variables
+/// become constants, polynomials and tables of positions tables, all others stay functions.
 /// `only` >= 0 keeps that one error.
 [[nodiscard]] GroupIndex build_groups(Plan::Impl& plan, int only);
 

@@ -39,14 +39,14 @@ struct CarriedTwist : Carried<T, N> {
   Vec3T<T> e = Vec3T<T>::Zero();
 };
 
-/// The segment of a block that holds x. No number: some segment.
-[[nodiscard]] inline std::uint32_t segment_of(const Plan::Impl& plan, const Block& block, double x) {
-  const double place = (x - block.bucket_lo) * block.buckets_per_unit;
-  const std::uint32_t most = block.bucket_count - 1;
+/// The segment of a table that holds x. No number: some segment.
+[[nodiscard]] inline std::uint32_t segment_of(const Plan::Impl& plan, const AxisTable& table, double x) {
+  const double place = (x - table.bucket_lo) * table.buckets_per_unit;
+  const std::uint32_t most = table.bucket_count - 1;
   const std::uint32_t bucket = place > 0 ? (place < most ? static_cast<std::uint32_t>(place) : most) : 0;
-  std::uint32_t i = plan.buckets[block.first_bucket + bucket];
-  const double* const knots = plan.knots.data() + block.knots;
-  while (i + 1 < block.segments && knots[i + 1] <= x) ++i;
+  std::uint32_t i = plan.buckets[table.first_bucket + bucket];
+  const double* const knots = plan.knots.data() + table.knots;
+  while (i + 1 < table.segments && knots[i + 1] <= x) ++i;
   return i;
 }
 
@@ -54,12 +54,12 @@ struct CarriedTwist : Carried<T, N> {
 template <class T>
 using Six = Eigen::Array<T, kComponents, 1>;
 
-/// The sines of a block where they are not tabulated.
+/// The sines of a table where they are not tabulated.
 template <class T>
-inline void add_waves(const Plan::Impl& plan, const Block& block, const T& x, Six<T>& value) {
+inline void add_waves(const Plan::Impl& plan, const AxisTable& table, const T& x, Six<T>& value) {
   using std::sin;
-  for (std::uint32_t i = 0; i < block.wave_count; ++i) {
-    const Wave& wave = plan.waves[block.first_wave + i];
+  for (std::uint32_t i = 0; i < table.wave_count; ++i) {
+    const Wave& wave = plan.waves[table.first_wave + i];
     const double at = value_of(x);
     const T held = at < wave.lo ? T(wave.lo) : at > wave.hi ? T(wave.hi) : x;
     value[wave.component] += T(wave.amplitude) * sin(T(wave.frequency) * held + T(wave.phase));
@@ -98,22 +98,22 @@ template <>
 
 /// The tabulated functions of one axis position.
 template <class T>
-[[nodiscard]] inline Six<T> evaluate(const Plan::Impl& plan, const Block& block, const Inputs<T>& in,
+[[nodiscard]] inline Six<T> evaluate(const Plan::Impl& plan, const AxisTable& table, const Inputs<T>& in,
                                      bool* outside) {
-  const T q = in.q[block.axis];
+  const T q = in.q[table.axis];
   T x = q;
-  if (block.bounded && !(value_of(x) >= block.lo && value_of(x) <= block.hi)) *outside = true;
-  if (block.period > 0) {
-    const double turns = std::floor((value_of(x) - block.period_lo) / block.period);
-    if (turns != 0 && std::isfinite(turns)) x = x - T(turns * block.period);
+  if (table.bounded && !(value_of(x) >= table.lo && value_of(x) <= table.hi)) *outside = true;
+  if (table.period > 0) {
+    const double turns = std::floor((value_of(x) - table.period_lo) / table.period);
+    if (turns != 0 && std::isfinite(turns)) x = x - T(turns * table.period);
   }
-  const std::uint32_t i = segment_of(plan, block, value_of(x));
-  x = x - T(plan.knots[block.knots + i]);
+  const std::uint32_t i = segment_of(plan, table, value_of(x));
+  x = x - T(plan.knots[table.knots + i]);
   const double* const row =
-      plan.coefficients.data() + block.data + static_cast<std::size_t>(i) * block.rows * kComponents;
-  Six<T> value = six_polynomials<T>(row, block.rows, x);
-  if (block.wave_count > 0 && !(value_of(q) >= block.waves_lo && value_of(q) <= block.waves_hi))
-    add_waves(plan, block, q, value);
+      plan.coefficients.data() + table.data + static_cast<std::size_t>(i) * table.rows * kComponents;
+  Six<T> value = six_polynomials<T>(row, table.rows, x);
+  if (table.wave_count > 0 && !(value_of(q) >= table.waves_lo && value_of(q) <= table.waves_hi))
+    add_waves(plan, table, q, value);
   return value;
 }
 
@@ -122,10 +122,10 @@ template <class T>
 inline void evaluate(const Plan::Impl& plan, const Group& group, const Inputs<T>& in, Vec3T<T>& d,
                      Vec3T<T>& e, bool* outside) {
   Six<T> sum;
-  if (group.block_count > 0) {
-    sum = evaluate<T>(plan, plan.blocks[group.first_block], in, outside);
-    for (std::uint32_t b = 1; b < group.block_count; ++b)
-      sum += evaluate<T>(plan, plan.blocks[group.first_block + b], in, outside);
+  if (group.table_count > 0) {
+    sum = evaluate<T>(plan, plan.tables[group.first_table], in, outside);
+    for (std::uint32_t b = 1; b < group.table_count; ++b)
+      sum += evaluate<T>(plan, plan.tables[group.first_table + b], in, outside);
   } else {
     sum = Eigen::Map<const Six<double>>(group.constant.data()).template cast<T>();
   }

@@ -65,7 +65,7 @@ std::optional<ProgramAxes> program_axes(const Machine& machine, char& missing) {
 }
 
 CorrectionField::CorrectionField(const Plan& plan, const ProgramAxes& axes, bool probed)
-    : plan_(plan), axes_(axes), probed_(probed), tool_(tool_of(plan.machine())) {
+    : plan_(plan), actual_tip_(plan), axes_(axes), probed_(probed), tool_(tool_of(plan.machine())) {
   const Machine& machine = plan.machine();
   AxisSet others = 0;
   for (int i = 0; i < machine.axis_count(); ++i) others |= AxisSet{1} << i;
@@ -182,7 +182,7 @@ bool CorrectionField::follow(const Vec3& m, const std::array<signed char, 3>& ap
     bool outside = false;
     for (std::size_t k = 0; k < 3; ++k)
       path_query_.q[static_cast<std::size_t>(axes_.index[k])] = q[static_cast<Eigen::Index>(k)];
-    const Vec3 step = inverse_axes_ * (target - actual_tip(plan_, path_query_, &outside));
+    const Vec3 step = inverse_axes_ * (target - actual_tip_(path_query_, &outside));
     q += step;
     const double size = step.norm();
     if (outside || !std::isfinite(size) || beyond_travel(q) >= 0) return false;

@@ -7,6 +7,7 @@
 
 #include "abbe/chain/correct.h"
 #include "abbe/chain/plan.h"
+#include "abbe/kernel/tip_function.h"
 
 namespace abbe {
 
@@ -58,6 +59,7 @@ class CorrectionField {
   [[nodiscard]] bool follow(const Vec3& m, const std::array<signed char, 3>& approach, Answer& answer);
 
   Plan plan_;
+  kernel::TipFunction actual_tip_;
   ProgramAxes axes_;
   bool probed_;
   bool directional_ = false;

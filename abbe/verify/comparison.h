@@ -59,9 +59,12 @@ class Comparison {
   bool cover_piece(Cover& cover, const Motion& piece);
   void follow_along(const Cover& cover, const Motion& motion, double t);
   bool take_up(Cover& cover, const Motion& piece);
+  void look_inside(Cover& cover, const Motion& piece, double from, const Vec3& error_from, double to,
+                   const Vec3& error_to, const Vec3& tip_to, int depth);
   void sample_interval(Cover& cover, const Motion& piece, double from, const Vec3& error_from, double to,
-                       const Vec3& error_to, const Vec3& tip_to, int depth);
-  void account(Cover& cover, const Motion& piece, double t, const Vec3& tip);
+                       const Vec3& error_to, const Vec3& tip_to, const Vec3& command, const Vec3& tip,
+                       int depth);
+  void account(Cover& cover, const Motion& piece, double t, const Vec3& command, const Vec3& tip);
   void check_piece_feed(Cover& cover, const Motion& piece);
   void conclude(Cover& cover);
 

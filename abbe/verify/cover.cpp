@@ -150,11 +150,20 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   for (int k = 1; k <= n; ++k) {
     const double from = static_cast<double>(k - 1) / n, to = static_cast<double>(k) / n;
     const Vec3 command = k == n ? piece.end.at : point_at(piece, to);
-    if (job_.reversal) follow_along(cover, piece, to - kSlightly);
-    const Vec3 tip = model_.actual(command, approach_, &cover.outside);
+    Vec3 tip;
+    if (looks_inside && !job_.reversal) {
+      const double middle = from + kInner * (to - from);
+      const Vec3 inside = point_at(piece, middle);
+      const auto tips = model_.actual(inside, command, approach_, &cover.outside);
+      tip = tips.b;
+      sample_interval(cover, piece, from, error, to, tip - model_.nominal(command), tip, inside, tips.a, 0);
+    } else {
+      if (job_.reversal) follow_along(cover, piece, to - kSlightly);
+      tip = model_.actual(command, approach_, &cover.outside);
+      if (looks_inside) look_inside(cover, piece, from, error, to, tip - model_.nominal(command), tip, 0);
+    }
     const Vec3 error_to = tip - model_.nominal(command);
-    if (looks_inside) sample_interval(cover, piece, from, error, to, error_to, tip, 0);
-    account(cover, piece, to, tip);
+    account(cover, piece, to, command, tip);
     error = error_to;
   }
   reached_ = {true, piece.end.at, cover.tip, approach_};
@@ -232,24 +241,33 @@ bool Comparison::take_up(Cover& cover, const Motion& piece) {
   return true;
 }
 
-/// Samples the inside of an interval, in the order of cutting; more densely where the error bends.
-void Comparison::sample_interval(Cover& cover, const Motion& piece, double from, const Vec3& error_from,
-                                 double to, const Vec3& error_to, const Vec3& tip_to, int depth) {
+/// Evaluates the inner point of an interval and samples there.
+void Comparison::look_inside(Cover& cover, const Motion& piece, double from, const Vec3& error_from, double to,
+                             const Vec3& error_to, const Vec3& tip_to, int depth) {
   const double middle = from + kInner * (to - from);
   const Vec3 command = point_at(piece, middle);
   if (job_.reversal) follow_along(cover, piece, middle - kSlightly);
   const Vec3 tip = model_.actual(command, approach_, &cover.outside);
+  sample_interval(cover, piece, from, error_from, to, error_to, tip_to, command, tip, depth);
+}
+
+/// Samples the inside of an interval, in the order of cutting; more densely where the error bends.
+void Comparison::sample_interval(Cover& cover, const Motion& piece, double from, const Vec3& error_from,
+                                 double to, const Vec3& error_to, const Vec3& tip_to, const Vec3& command,
+                                 const Vec3& tip, int depth) {
+  const double middle = from + kInner * (to - from);
   const Vec3 error = tip - model_.nominal(command);
   // How far the error is from the straight line between the ends of the interval.
   const Vec3 bend = error - ((1 - kInner) * error_from + kInner * error_to);
-  const bool bends = bend.norm() > kBend * job_.tolerance && depth < kMaxDepth;
-  if (bends) sample_interval(cover, piece, from, error_from, middle, error, tip, depth + 1);
-  account(cover, piece, middle, tip);
-  if (bends) sample_interval(cover, piece, middle, error, to, error_to, tip_to, depth + 1);
+  const double limit = kBend * job_.tolerance;
+  const bool bends = bend.squaredNorm() > limit * limit && depth < kMaxDepth;
+  if (bends) look_inside(cover, piece, from, error_from, middle, error, tip, depth + 1);
+  account(cover, piece, middle, command, tip);
+  if (bends) look_inside(cover, piece, middle, error, to, error_to, tip_to, depth + 1);
 }
 
 /// One sample of the output at t of its piece: where on the original it is, and how far off.
-void Comparison::account(Cover& cover, const Motion& piece, double t, const Vec3& tip) {
+void Comparison::account(Cover& cover, const Motion& piece, double t, const Vec3& command, const Vec3& tip) {
   const NominalPath::Foot foot = cover.by_parameter ? cover.path.foot_at(tip, t) : cover.path.foot(tip);
   const double s = cover.length < kNoMotion ? 1 : foot.s;
   const double inside = std::clamp(s, 0.0, 1.0);
@@ -265,7 +283,6 @@ void Comparison::account(Cover& cover, const Motion& piece, double t, const Vec3
   const double back = std::max(cover.furthest - s, s - 1) * cover.length;
   if (back > allowed) cover.worst_back = std::max(cover.worst_back, back);
   if (piece.kind == MotionKind::arc && cover.beyond_travel < 0) {
-    const Vec3 command = point_at(piece, t);
     cover.beyond_travel = model_.beyond_travel(command);
     cover.beyond_at = command;
   }
@@ -274,15 +291,14 @@ void Comparison::account(Cover& cover, const Motion& piece, double t, const Vec3
   cover.last_s = s;
   cover.furthest = std::max(cover.furthest, s);
   cover.tip = tip;
-  const Vec3 target = cover.path.point(inside);
   // The error at the output's command, where it is known already: from the one at the original's it differs by
   // the correction times the gradient of the error, nanometres.
-  const Vec3 before = tip - model_.nominal(point_at(piece, t)) - datum_;
+  const Vec3 before = tip - model_.nominal(command) - datum_;
   travelled_ = cover.travelled_before + inside * cover.length;
   before_.add(before, weight, original_.line());
   after_.add(foot.across, weight, original_.line());
   if (samples_.wants_next())
-    keep_sample(target - datum_, before, foot.across, false);
+    keep_sample(cover.path.point(inside) - datum_, before, foot.across, false);
   else
     samples_.skip();
 }

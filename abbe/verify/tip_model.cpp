@@ -78,7 +78,13 @@ Vec3 TipModel::actual(const Vec3& m, const Approach& approach, bool* outside) co
     query_.q[axes_[k]] = m[static_cast<Eigen::Index>(k)];
     query_.approach[axes_[k]] = approach[k];
   }
-  return actual_tip(plan_, query_, outside);
+  return actual_tip_(query_, outside);
+}
+
+kernel::TipFunction::Two TipModel::actual(const Vec3& a, const Vec3& b, const Approach& approach,
+                                          bool* outside) const {
+  for (std::size_t k = 0; k < 3; ++k) query_.approach[axes_[k]] = approach[k];
+  return actual_tip_.two(query_, axes_, a, b, outside);
 }
 
 int TipModel::beyond_travel(const Vec3& m) const {

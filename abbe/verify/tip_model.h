@@ -6,6 +6,7 @@
 
 #include "abbe/chain/predict.h"
 #include "abbe/core/diagnostic.h"
+#include "abbe/kernel/tip_function.h"
 #include "abbe/machine/control_setup.h"
 #include "abbe/verify/frames.h"
 
@@ -33,14 +34,19 @@ class TipModel {
   /// Tip with all errors. `outside` is set when an error is held beyond its ends.
   [[nodiscard]] Vec3 actual(const Vec3& m, const Approach& approach, bool* outside) const;
 
+  /// Tips at a and at b, side by side.
+  [[nodiscard]] kernel::TipFunction::Two actual(const Vec3& a, const Vec3& b, const Approach& approach,
+                                                bool* outside) const;
+
   /// The first axis whose travel m leaves, or -1.
   [[nodiscard]] int beyond_travel(const Vec3& m) const;
 
   [[nodiscard]] bool directional() const { return directional_; }
 
  private:
-  TipModel(const Plan& plan, const ControlSetup& setup) : plan_(plan), setup_(setup) {}
+  TipModel(const Plan& plan, const ControlSetup& setup) : plan_(plan), actual_tip_(plan), setup_(setup) {}
   Plan plan_;
+  kernel::TipFunction actual_tip_;
   ControlSetup setup_;
   std::array<std::size_t, 3> axes_{};  ///< of X Y Z among the moving axes
   mutable Query query_;

@@ -1,4 +1,4 @@
-#include "abbe/chain/block_builder.h"
+#include "abbe/chain/axis_table_builder.h"
 
 #include <algorithm>
 #include <cmath>
@@ -128,33 +128,33 @@ class Leaf {
   }
 };
 
-class BlockBuilder {
+class AxisTableBuilder {
  public:
-  BlockBuilder(Plan::Impl& plan, int axis, std::vector<Leaf> leaves,
+  AxisTableBuilder(Plan::Impl& plan, int axis, std::vector<Leaf> leaves,
                const std::array<double, kComponents>& constant)
       : plan_(plan), leaves_(std::move(leaves)), constant_(constant) {
-    block_.axis = axis;
+    table_.axis = axis;
   }
 
   void append() {
-    block_.period = leaves_.front().period;
+    table_.period = leaves_.front().period;
     set_ends();
     choose_knots();
     write_segments();
     write_buckets();
-    plan_.blocks.push_back(block_);
+    plan_.tables.push_back(table_);
   }
 
  private:
   void set_ends() {
-    block_.first_wave = static_cast<std::uint32_t>(plan_.waves.size());
+    table_.first_wave = static_cast<std::uint32_t>(plan_.waves.size());
     for (const Leaf& leaf : leaves_) {
-      block_.lo = std::max(block_.lo, leaf.lo);
-      block_.hi = std::min(block_.hi, leaf.hi);
+      table_.lo = std::max(table_.lo, leaf.lo);
+      table_.hi = std::min(table_.hi, leaf.hi);
       if (leaf.is_wave()) plan_.waves.push_back(leaf.wave);
     }
-    block_.wave_count = static_cast<std::uint32_t>(plan_.waves.size()) - block_.first_wave;
-    block_.bounded = block_.period == 0 && (std::isfinite(block_.lo) || std::isfinite(block_.hi));
+    table_.wave_count = static_cast<std::uint32_t>(plan_.waves.size()) - table_.first_wave;
+    table_.bounded = table_.period == 0 && (std::isfinite(table_.lo) || std::isfinite(table_.hi));
   }
 
   void choose_knots() {
@@ -169,7 +169,7 @@ class BlockBuilder {
     knots_.erase(std::unique(knots_.begin(), knots_.end(),
                              [size](double a, double b) { return b - a <= kSameKnot * size; }),
                  knots_.end());
-    block_.period_lo = knots_.empty() ? 0 : knots_.front();
+    table_.period_lo = knots_.empty() ? 0 : knots_.front();
   }
 
   /// |A| (W h)^6 / (2^5 6!) bounds what the polynomial through six Chebyshev nodes of [-h, h] misses.
@@ -181,23 +181,23 @@ class BlockBuilder {
                        std::abs(leaf.wave.frequency);
       step = std::min(step, 2 * h);
     }
-    const auto k = static_cast<std::size_t>(block_.axis);
-    const bool rotary = (plan_.rotary >> block_.axis & 1) != 0;
+    const auto k = static_cast<std::size_t>(table_.axis);
+    const bool rotary = (plan_.rotary >> table_.axis & 1) != 0;
     const double open = rotary ? kOpenTurns : kOpenTravel;
     double lo = std::isfinite(plan_.lo[k]) ? plan_.lo[k] : -open;
     double hi = std::isfinite(plan_.hi[k]) ? plan_.hi[k] : open;
     const double margin = 0.01 * (hi - lo);
     lo -= margin;
     hi += margin;
-    if (block_.wave_count == 0) return;
+    if (table_.wave_count == 0) return;
     const double count = std::max(1.0, std::ceil((hi - lo) / step));
     if (!(hi > lo && count <= static_cast<double>(kMaxWaveSegments))) {
       waves_directly_ = true;
       return;
     }
     for (int i = 0; i <= static_cast<int>(count); ++i) knots_.push_back(lo + (hi - lo) * i / count);
-    block_.waves_lo = lo;
-    block_.waves_hi = hi;
+    table_.waves_lo = lo;
+    table_.waves_hi = hi;
   }
 
   void write_segments() {
@@ -205,9 +205,9 @@ class BlockBuilder {
     // One more segment than knots where something is different before the first one.
     const bool before = !(knots_.size() == 1 && single_piece());
     if (before) knots_.insert(knots_.begin(), knots_.front());
-    block_.segments = static_cast<std::uint32_t>(knots_.size());
-    block_.knots = static_cast<std::uint32_t>(plan_.knots.size());
-    block_.data = static_cast<std::uint32_t>(plan_.coefficients.size());
+    table_.segments = static_cast<std::uint32_t>(knots_.size());
+    table_.knots = static_cast<std::uint32_t>(plan_.knots.size());
+    table_.data = static_cast<std::uint32_t>(plan_.coefficients.size());
     plan_.knots.insert(plan_.knots.end(), knots_.begin(), knots_.end());
 
     const double far = 1 + std::abs(knots_.front()) + std::abs(knots_.back());
@@ -218,10 +218,10 @@ class BlockBuilder {
       auto& rows = segments[i];
       rows.push_back(constant_);
       for (const Leaf& leaf : leaves_) add(leaf, knots_[i], a, b, rows);
-      block_.rows = std::max(block_.rows, static_cast<std::uint32_t>(rows.size()));
+      table_.rows = std::max(table_.rows, static_cast<std::uint32_t>(rows.size()));
     }
     for (auto& rows : segments) {
-      rows.resize(block_.rows, {});
+      rows.resize(table_.rows, {});
       for (auto row = rows.rbegin(); row != rows.rend(); ++row) {
         plan_.coefficients.insert(plan_.coefficients.end(), row->begin(), row->end());
       }
@@ -231,7 +231,7 @@ class BlockBuilder {
   void add(const Leaf& leaf, double origin, double a, double b,
            std::vector<std::array<double, kComponents>>& rows) const {
     const double inside = (a + b) / 2;
-    if (leaf.is_wave() && !(inside >= block_.waves_lo && inside <= block_.waves_hi && !waves_directly_)) return;
+    if (leaf.is_wave() && !(inside >= table_.waves_lo && inside <= table_.waves_hi && !waves_directly_)) return;
     const Polynomial p = leaf.around(origin, inside, a, b);
     if (rows.size() < p.size()) rows.resize(p.size(), {});
     for (std::size_t k = 0; k < p.size(); ++k) rows[k][static_cast<std::size_t>(leaf.component)] += p[k];
@@ -247,23 +247,23 @@ class BlockBuilder {
 
   void write_buckets() {
     if (waves_directly_) {
-      block_.waves_lo = kInfinity;
-      block_.waves_hi = -kInfinity;
+      table_.waves_lo = kInfinity;
+      table_.waves_hi = -kInfinity;
     }
-    block_.first_bucket = static_cast<std::uint32_t>(plan_.buckets.size());
+    table_.first_bucket = static_cast<std::uint32_t>(plan_.buckets.size());
     const std::size_t last = knots_.size() - 1;
     // The lower ends of all segments but the first.
     const double lo = knots_[std::min<std::size_t>(1, last)], hi = knots_[last];
     const std::size_t count =
         hi > lo ? std::min(kMaxBuckets, kBucketsPerSegment * knots_.size()) : std::size_t{1};
-    block_.bucket_count = static_cast<std::uint32_t>(count) + 2;
-    block_.buckets_per_unit = hi > lo ? static_cast<double>(count) / (hi - lo) : 0;
+    table_.bucket_count = static_cast<std::uint32_t>(count) + 2;
+    table_.buckets_per_unit = hi > lo ? static_cast<double>(count) / (hi - lo) : 0;
     // One bucket below the first end and one above the last.
-    block_.bucket_lo = hi > lo ? lo - 1 / block_.buckets_per_unit : lo;
+    table_.bucket_lo = hi > lo ? lo - 1 / table_.buckets_per_unit : lo;
     std::uint32_t i = 0;
-    for (std::size_t b = 0; b < block_.bucket_count; ++b) {
+    for (std::size_t b = 0; b < table_.bucket_count; ++b) {
       const double edge =
-          hi > lo ? block_.bucket_lo + static_cast<double>(b) / block_.buckets_per_unit : -kInfinity;
+          hi > lo ? table_.bucket_lo + static_cast<double>(b) / table_.buckets_per_unit : -kInfinity;
       while (i < last && knots_[i + 1] <= edge) ++i;
       plan_.buckets.push_back(b == 0 ? 0 : i);
     }
@@ -272,14 +272,14 @@ class BlockBuilder {
   Plan::Impl& plan_;
   std::vector<Leaf> leaves_;
   const std::array<double, kComponents>& constant_;
-  Block block_;
+  AxisTable table_;
   std::vector<double> knots_;
   bool waves_directly_ = false;
 };
 
 }  // namespace
 
-void append_blocks(Plan::Impl& plan, int axis, std::span<const AxisLeaf> leaves,
+void append_tables(Plan::Impl& plan, int axis, std::span<const AxisLeaf> leaves,
                    const std::array<double, kComponents>& constant) {
   const double unit = plan.unit[static_cast<std::size_t>(axis)];
   // What repeats needs its own position; several tables of one period and start share it.
@@ -291,7 +291,7 @@ void append_blocks(Plan::Impl& plan, int axis, std::span<const AxisLeaf> leaves,
   }
   std::array<double, kComponents> first = constant;
   for (auto& [kind, members] : kinds) {
-    BlockBuilder(plan, axis, std::move(members), first).append();
+    AxisTableBuilder(plan, axis, std::move(members), first).append();
     first = {};
   }
 }

@@ -1,0 +1,54 @@
+#pragma once
+
+// Plain data: read by code that is compiled for one instruction set.
+
+#include <cstddef>
+#include <cstdint>
+
+#include "abbe/chain/axis_table.h"
+
+namespace abbe::kernel {
+
+/// Most moving axes a kernel knows: three linear and two rotary ones, and locked ones.
+inline constexpr int kMaxFlatAxes = 16;
+/// Doubles per row of coefficients: six components and two zeros, one cache line.
+inline constexpr std::size_t kRow = 8;
+
+/// A step of the walk from the tool to the workpiece (see abbe::Op), with constants at hand.
+struct FlatOp {
+  enum class Kind : std::uint8_t { tip, slide, turn, affine, shift, rigid, linear, twist };
+  enum class About : std::uint8_t { x, y, z, other };  ///< a turn's axis, up to its sign
+  Kind kind = Kind::tip;
+  About about = About::other;
+  bool inverse = false;
+  bool moves_on = false;  ///< t is not zero
+  std::uint8_t part = 0;  ///< 0 all, 1 along, 2 across
+  std::int8_t axis = -1;
+  std::int16_t group = -1;
+  double u[3] = {0, 0, 1};
+  double t[3] = {0, 0, 0};
+  double a[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< affine: rows
+};
+
+struct FlatGroup {
+  alignas(64) double constant[kRow] = {};
+  double lever[3] = {0, 0, 0};
+  bool has_lever = false, is_rotary = false, rotates = false;
+  std::uint32_t first_table = 0, table_count = 0;
+};
+
+/// A compiled machine as pointers: what abbe::Plan holds, laid out for kernels. Owned by FlatPlan.
+struct FlatView {
+  const FlatOp *nominal = nullptr, *actual = nullptr, *first_order = nullptr;
+  std::uint32_t nominal_count = 0, actual_count = 0, first_order_count = 0;
+  const FlatGroup* groups = nullptr;
+  const AxisTable* tables = nullptr;
+  const Wave* waves = nullptr;
+  const double* knots = nullptr;
+  const double* rows = nullptr;  ///< 64-byte aligned; AxisTable::data counts rows here
+  const std::uint32_t* buckets = nullptr;
+  int axis_count = 0;
+  std::uint32_t rotary = 0;  ///< bit i: moving axis i is rotary
+};
+
+}  // namespace abbe::kernel

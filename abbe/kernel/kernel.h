@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstddef>
+#include <string_view>
+
+#include "abbe/kernel/flat_view.h"
+
+namespace abbe::kernel {
+
+/// The tool and the axes of a batch.
+struct Setting {
+  double tip[3] = {0, 0, 0};   ///< of the tool, bed frame at home, mm
+  double axis[3] = {0, 0, 1};  ///< from the tip to the spindle
+  double shift[3] = {0, 0, 0};  ///< the tip shall reach nominal + shift, workpiece axes, mm
+  std::uint32_t free = 0;       ///< axes that correct_poses may move
+  int exact_steps = 1;          ///< 0: first order only
+};
+
+/// How a lane ended.
+enum Lane : unsigned char {
+  ordinary = 0,
+  outside = 1,   ///< an error was held beyond its ends
+  unusual = 2,   ///< near a singularity, or not finite: ask abbe::correct
+};
+
+/// What one instruction set offers. Positions and results are arrays per axis or component (structure of
+/// arrays): q[axis][i], mm and rad. No call allocates, locks or throws.
+struct Kernel {
+  const char* name = "";
+  int width = 1;  ///< poses side by side
+  /// Actual tips of `count` poses: tip[0..2][i], mm. lanes[i] |= outside.
+  void (*tips)(const FlatView&, const Setting&, const double* const* q, std::size_t count,
+               double* const* tip, unsigned char* lanes) = nullptr;
+  /// Corrected commands of `count` poses: a first-order step, then Setting::exact_steps Newton steps on the
+  /// exact model. last[i]: length of the last step, mm (rotary steps count 300 mm per rad).
+  void (*correct_poses)(const FlatView&, const Setting&, const double* const* q, std::size_t count,
+                        double* const* corrected, double* last, unsigned char* lanes) = nullptr;
+};
+
+/// The best kernel for this processor.
+[[nodiscard]] const Kernel& best();
+/// "baseline", "avx2", "avx512"; null if this processor (or build) has none of that name.
+[[nodiscard]] const Kernel* named(std::string_view name);
+
+}  // namespace abbe::kernel

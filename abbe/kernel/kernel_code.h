@@ -1,0 +1,294 @@
+// The kernels, compiled once per instruction set (kernel_baseline.cpp, kernel_avx2.cpp, kernel_avx512.cpp).
+// Everything is in an unnamed namespace and nothing of the standard library or Eigen is called: an inline
+// function that two of those files shared could end up with instructions that this processor does not have.
+//
+// V is a packet of poses: one double, or a vector register of them. The same templates compute all widths.
+#pragma once
+
+#include "abbe/kernel/kernel_math.h"
+
+namespace abbe::kernel {
+namespace {
+
+/// Where the poses of a packet come from.
+struct Source {
+  const double* const* q;
+  std::size_t first, count;  ///< lanes beyond `count` repeat the last pose
+};
+
+template <class V>
+V load(const Source& from, int axis) {
+  const double* const q = from.q[axis];
+  V v{};
+  if (from.first + lanes_of<V> <= from.count) {
+    __builtin_memcpy(&v, q + from.first, sizeof v);
+  } else {
+    for (int i = 0; i < lanes_of<V>; ++i) {
+      const std::size_t at = from.first + static_cast<std::size_t>(i);
+      set_lane(v, i, q[at < from.count ? at : from.count - 1]);
+    }
+  }
+  return v;
+}
+
+template <class V>
+void store(double* to, std::size_t first, std::size_t count, V v) {
+  if (first + lanes_of<V> <= count) {
+    __builtin_memcpy(to + first, &v, sizeof v);
+  } else {
+    for (int i = 0; first + static_cast<std::size_t>(i) < count && i < lanes_of<V>; ++i)
+      to[first + static_cast<std::size_t>(i)] = lane(v, i);
+  }
+}
+
+/// Commands of a packet and the flags of its lanes (bit i = lane i).
+template <class V>
+struct State {
+  V q[kMaxFlatAxes];
+  unsigned outside = 0;
+};
+
+inline std::uint32_t segment_of(const FlatView& plan, const AxisTable& table, double x) {
+  const double place = (x - table.bucket_lo) * table.buckets_per_unit;
+  const std::uint32_t most = table.bucket_count - 1;
+  const std::uint32_t bucket = place > 0 ? (place < most ? static_cast<std::uint32_t>(place) : most) : 0;
+  std::uint32_t i = plan.buckets[table.first_bucket + bucket];
+  const double* const knots = plan.knots + table.knots;
+  while (i + 1 < table.segments && knots[i + 1] <= x) ++i;
+  return i;
+}
+
+inline double sine_of_wave(const Wave& wave, double x) {
+  const double held = x < wave.lo ? wave.lo : x > wave.hi ? wave.hi : x;
+  return wave.amplitude * __builtin_sin(wave.frequency * held + wave.phase);
+}
+
+/// One pose: the six polynomials side by side in registers.
+inline void horner(const double* row, std::uint32_t rows, double x, double* six) {
+  Native r[kNatives];
+  for (std::size_t k = 0; k < kNatives; ++k) __builtin_memcpy(&r[k], row + k * kNativeLanes, sizeof(Native));
+  for (std::uint32_t power = 1; power < rows; ++power) {
+    row += kRow;
+    for (std::size_t k = 0; k < kNatives; ++k) {
+      Native c;
+      __builtin_memcpy(&c, row + k * kNativeLanes, sizeof c);
+      r[k] = r[k] * x + c;
+    }
+  }
+  for (std::size_t k = 0; k < kNatives; ++k) __builtin_memcpy(six + k * kNativeLanes, &r[k], sizeof(Native));
+}
+
+/// six += the functions of a table.
+template <class V>
+void add_table(const FlatView& plan, const AxisTable& table, State<V>& state, V* six, bool first) {
+  const V q = state.q[table.axis];
+  V x = q;
+  if (table.bounded) state.outside |= lanes_outside(q, table.lo, table.hi);
+  if (table.period > 0) x = wrapped(x, table.period_lo, table.period);
+  const double* const rows = plan.rows + static_cast<std::size_t>(table.data) * kRow;
+  const double* const knots = plan.knots + table.knots;
+  const std::uint32_t i = segment_of(plan, table, lane(x, 0));
+  bool same = false;  // two lanes are sooner done one after the other
+  if constexpr (lanes_of<V> > 2) {
+    const double lo = i > 0 ? knots[i] : -__builtin_inf();
+    const double hi = i + 1 < table.segments ? knots[i + 1] : __builtin_inf();
+    same = lanes_outside(x, lo, hi) == 0;
+  }
+  if constexpr (lanes_of<V> == 1) {
+    alignas(64) double values[kRow];
+    horner(rows + static_cast<std::size_t>(i) * table.rows * kRow, table.rows, x - knots[i], values);
+    for (int k = 0; k < kComponents; ++k) six[k] = first ? values[k] : six[k] + values[k];
+  } else if (same) {
+    // All poses in one segment: its coefficients for everyone.
+    const double* row = rows + static_cast<std::size_t>(i) * table.rows * kRow;
+    const V t = x - knots[i];
+    V r[kComponents];
+    for (int k = 0; k < kComponents; ++k) r[k] = all<V>(row[k]);
+    for (std::uint32_t power = 1; power < table.rows; ++power) {
+      row += kRow;
+      for (int k = 0; k < kComponents; ++k) r[k] = r[k] * t + row[k];
+    }
+    for (int k = 0; k < kComponents; ++k) six[k] = first ? r[k] : six[k] + r[k];
+  } else {
+    alignas(64) double values[lanes_of<V>][kRow];
+    for (int p = 0; p < lanes_of<V>; ++p) {
+      const double at = lane(x, p);
+      const std::uint32_t s = segment_of(plan, table, at);
+      horner(rows + static_cast<std::size_t>(s) * table.rows * kRow, table.rows, at - knots[s], values[p]);
+    }
+    for (int k = 0; k < kComponents; ++k) {
+      V r{};
+      for (int p = 0; p < lanes_of<V>; ++p) set_lane(r, p, values[p][k]);
+      six[k] = first ? r : six[k] + r;
+    }
+  }
+  if (table.wave_count > 0 && lanes_outside(q, table.waves_lo, table.waves_hi) != 0) {
+    for (int p = 0; p < lanes_of<V>; ++p) {
+      const double at = lane(q, p);
+      if (at >= table.waves_lo && at <= table.waves_hi) continue;
+      for (std::uint32_t w = 0; w < table.wave_count; ++w) {
+        const Wave& wave = plan.waves[table.first_wave + w];
+        set_lane(six[wave.component], p, lane(six[wave.component], p) + sine_of_wave(wave, at));
+      }
+    }
+  }
+}
+
+/// Displacement d and rotation e of an error factor.
+template <class V>
+void evaluate(const FlatView& plan, const FlatOp& op, State<V>& state, Triple<V>& d, Triple<V>& e) {
+  const FlatGroup& group = plan.groups[op.group];
+  V six[kComponents];
+  if (group.table_count == 0) {
+    for (int k = 0; k < kComponents; ++k) six[k] = all<V>(group.constant[k]);
+  } else {
+    for (std::uint32_t b = 0; b < group.table_count; ++b)
+      add_table(plan, plan.tables[group.first_table + b], state, six, b == 0);
+  }
+  d = {six[0], six[1], six[2]};
+  e = {six[3], six[4], six[5]};
+  // d = d_file - e x (measured_at - origin)
+  if (group.has_lever) d = d - cross(e, broadcast<V>(group.lever));
+  if (op.part == 0) return;
+  const Triple<V> u = broadcast<V>(op.u);
+  const Triple<V> e_along = u * dot(u, e), d_along = u * dot(u, d);
+  if (op.part == 1) {
+    e = e_along;
+    if (group.is_rotary) d = d_along;
+  } else {
+    e = e - e_along;
+    d = group.is_rotary ? d - d_along : Triple<V>{};
+  }
+}
+
+/// Rot(u, q) of a turn, ready to act on several vectors.
+template <class V>
+struct Turn {
+  V s, c;
+  FlatOp::About about;
+  V m[9] = {};
+
+  Turn(const FlatOp& op, V q) : about(op.about) {
+    sine_and_cosine(q, s, c);
+    if (about != FlatOp::About::other) {
+      s = s * (op.u[0] + op.u[1] + op.u[2]);
+      return;
+    }
+    const V v = 1.0 - c;
+    const double x = op.u[0], y = op.u[1], z = op.u[2];
+    m[0] = v * (x * x) + c, m[1] = v * (x * y) - s * z, m[2] = v * (x * z) + s * y;
+    m[3] = v * (x * y) + s * z, m[4] = v * (y * y) + c, m[5] = v * (y * z) - s * x;
+    m[6] = v * (x * z) - s * y, m[7] = v * (y * z) + s * x, m[8] = v * (z * z) + c;
+  }
+  [[nodiscard]] Triple<V> operator()(const Triple<V>& p) const {
+    switch (about) {
+      case FlatOp::About::x:
+        return {p.x, c * p.y - s * p.z, s * p.y + c * p.z};
+      case FlatOp::About::y:
+        return {c * p.x + s * p.z, p.y, c * p.z - s * p.x};
+      case FlatOp::About::z:
+        return {c * p.x - s * p.y, s * p.x + c * p.y, p.z};
+      case FlatOp::About::other:
+        break;
+    }
+    return {m[0] * p.x + m[1] * p.y + m[2] * p.z, m[3] * p.x + m[4] * p.y + m[5] * p.z,
+            m[6] * p.x + m[7] * p.y + m[8] * p.z};
+  }
+};
+
+/// Exp(e) p with the coefficients s = sin t / t, k = (1 - cos t) / t^2.
+template <class V>
+Triple<V> rotated(const Triple<V>& e, V s, V k, const Triple<V>& p) {
+  const Triple<V> c = cross(e, p);
+  return p + c * s + cross(e, c) * k;
+}
+
+/// The point, and if `Axis` the tool axis, through one step of the exact walk.
+template <class V, bool Axis>
+void step(const FlatView& plan, const FlatOp& op, const Setting& setting, State<V>& state, Triple<V>& p,
+          Triple<V>& a) {
+  using Kind = FlatOp::Kind;
+  switch (op.kind) {
+    case Kind::tip:
+      p = p + broadcast<V>(setting.tip);
+      break;
+    case Kind::slide:
+      p = p + broadcast<V>(op.u) * state.q[op.axis];
+      break;
+    case Kind::turn: {
+      const Turn<V> turn(op, state.q[op.axis]);
+      p = turn(p);
+      if (Axis) a = turn(a);
+      break;
+    }
+    case Kind::affine: {
+      const auto act = [&](const Triple<V>& v) {
+        const double* m = op.a;
+        return Triple<V>{v.x * m[0] + v.y * m[1] + v.z * m[2], v.x * m[3] + v.y * m[4] + v.z * m[5],
+                         v.x * m[6] + v.y * m[7] + v.z * m[8]};
+      };
+      p = act(p);
+      if (Axis) a = act(a);
+      break;
+    }
+    case Kind::shift:
+    case Kind::rigid:
+    case Kind::linear: {
+      Triple<V> d, e;
+      evaluate(plan, op, state, d, e);
+      if (op.kind == Kind::shift) {
+        p = op.inverse ? p - d : p + d;
+      } else if (op.kind == Kind::rigid) {
+        V s, k;
+        rotation_coefficients(dot(e, e), s, k);
+        if (op.inverse) {
+          // Err^-1 p = Exp(-e) (p - d)
+          e = -e;
+          p = rotated(e, s, k, p - d);
+        } else {
+          p = rotated(e, s, k, p) + d;
+        }
+        if (Axis) a = rotated(e, s, k, a);
+      } else if (op.inverse) {
+        // (I + [e]x)^-1 x = (x + e (e.x) - e x x) / (1 + |e|^2)
+        const V scale = 1.0 / (1.0 + dot(e, e));
+        const auto undo = [&](const Triple<V>& x) { return (x + e * dot(e, x) - cross(e, x)) * scale; };
+        p = undo(p - d);
+        if (Axis) a = undo(a);
+      } else {
+        p = p + cross(e, p) + d;
+        if (Axis) a = a + cross(e, a);
+      }
+      break;
+    }
+    case Kind::twist:
+      break;
+  }
+  if (op.moves_on) p = p + broadcast<V>(op.t);
+}
+
+template <class V, bool Axis>
+void walk_actual(const FlatView& plan, const Setting& setting, State<V>& state, Triple<V>& p, Triple<V>& a) {
+  p = Triple<V>{};
+  a = broadcast<V>(setting.axis);
+  for (std::uint32_t i = 0; i < plan.actual_count; ++i)
+    step<V, Axis>(plan, plan.actual[i], setting, state, p, a);
+}
+
+template <class V>
+void tips_of(const FlatView& plan, const Setting& setting, const Source& from, double* const* tip,
+             unsigned char* lanes) {
+  State<V> state;
+  for (int i = 0; i < plan.axis_count; ++i) state.q[i] = load<V>(from, i);
+  Triple<V> p, a;
+  walk_actual<V, false>(plan, setting, state, p, a);
+  store(tip[0], from.first, from.count, p.x);
+  store(tip[1], from.first, from.count, p.y);
+  store(tip[2], from.first, from.count, p.z);
+  if (state.outside == 0) return;
+  for (int i = 0; i < lanes_of<V> && from.first + static_cast<std::size_t>(i) < from.count; ++i)
+    if ((state.outside >> i & 1) != 0) lanes[from.first + static_cast<std::size_t>(i)] |= Lane::outside;
+}
+
+}  // namespace
+}  // namespace abbe::kernel
