@@ -105,6 +105,7 @@ class Rewriter {
   };
   bool read_stretches(const Arc& nominal);
   bool write_arc(const Arc& nominal, std::string& out, Vec3& p_out);
+  std::optional<Vec3> place_to_take_up(const Arc& nominal, double s, const Vec3& p_out);
   /// Commands the place `want` by a straight move; the first block of an arc becomes that move.
   void take_up_on_arc(const Vec3& want, bool first, Vec3& p_out, std::string* extra);
   std::optional<Arc> nominal_arc(const Move& move, const Vec3& p0, const Vec3& p1);

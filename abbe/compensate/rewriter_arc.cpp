@@ -223,6 +223,20 @@ bool Rewriter::read_stretches(const Arc& nominal) {
   return true;
 }
 
+// Where the output must go before the arc goes on at s: the place there with the direction of what follows.
+std::optional<Vec3> Rewriter::place_to_take_up(const Arc& nominal, double s, const Vec3& p_out) {
+  if (!job_.reversal || !field_.depends_on_direction() || nominal.length() <= shortest_take_up()) return std::nullopt;
+  if (s == 0 && !start_corrected_) return std::nullopt;
+  const Vec3 m = in_.frames.to_machine(nominal.at(s));
+  const auto c = correction_at(m, withheld_, approach_);
+  if (!c || (m + *c - out_.frames.to_machine(p_out)).norm() <= interpolation_) return std::nullopt;
+  if (modal_.feed_mode == 930) {
+    refuse_block("E-REVERSAL", "lost motion must be taken up in an inverse-time (G93) block", "the extra block would need a time of its own", "post with G94");
+    return std::nullopt;
+  }
+  return out_.frames.to_program(m + *c);
+}
+
 void Rewriter::take_up_on_arc(const Vec3& want, bool first, Vec3& p_out, std::string* extra) {
   if (!first) {
     *extra += " G1";
@@ -297,27 +311,18 @@ bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
   };
   for (const Stretch& stretch : stretches_) {
     approach_ = stretch.approach;
-    const Vec3 m_start = in_.frames.to_machine(nominal.at(stretch.s0));
-    const auto c_start = correction_at(m_start, withheld_, approach_);
-    if (!c_start) return false;
-    bool straight = false;
-    const bool directed = job_.reversal && field_.depends_on_direction() && (start_corrected_ || stretch.s0 > 0);
-    const bool takes_up = directed && nominal.length() > shortest_take_up() && (m_start + *c_start - out_.frames.to_machine(p_out)).norm() > interpolation_;
-    if ((takes_up || stretch.s0 > 0) && std::min(nominal.r0, nominal.r1) < kTightArc * shortest_take_up()) {
+    const auto place = place_to_take_up(nominal, stretch.s0, p_out);
+    bool straight = place.has_value();
+    if ((place || stretch.s0 > 0) && std::min(nominal.r0, nominal.r1) < kTightArc * shortest_take_up()) {
       refuse_block("E-REVERSAL", "an axis turns round on an arc that is too small to take up its lost motion", "nothing can be put between its parts",
                    "leave the arc out, or leave --reversal away: the mean is compensated and the lost motion reported");
       return false;
     }
-    if (takes_up) {
-      if (modal_.feed_mode == 930) {
-        refuse_block("E-REVERSAL", "lost motion must be taken up in an inverse-time (G93) block", "the extra block would need a time of its own", "post with G94");
-        return false;
-      }
+    if (place) {
       extra.clear();
       if (blocks == 0) stops_to_last(true, nullptr);
-      take_up_on_arc(out_.frames.to_program(m_start + *c_start), blocks == 0, p_out, &extra);
+      take_up_on_arc(*place, blocks == 0, p_out, &extra);
       end_block(false);
-      straight = true;
     }
     double s0 = stretch.s0;
     while (s0 < stretch.s1) {

@@ -17,7 +17,8 @@ std::vector<double> turning_points(const Arc& arc, double rotation, double least
   for (auto k = static_cast<long>(std::floor(lo / kQuarter)) - 1; k <= last; ++k) {
     double s = (static_cast<double>(k) * kQuarter - from) / arc.sweep;
     for (int i = 0; i < 3; ++i) {
-      // the radius hardly changes along an arc that a control accepts, so putting s in again converges at once
+      // the radius hardly changes along an arc that a control accepts, so putting s in again converges at
+      // once
       const double radius = std::max(arc.r0 + std::clamp(s, 0.0, 1.0) * rate, std::min(arc.r0, arc.r1));
       s = (static_cast<double>(k) * kQuarter + std::atan(rate / (radius * arc.sweep)) - from) / arc.sweep;
     }

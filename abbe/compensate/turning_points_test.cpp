@@ -29,8 +29,10 @@ Arc arc(double from, double sweep, Plane plane = Plane::xy) {
 }
 
 TEST(TurningPoints, AreTheQuarters) {
-  EXPECT_THAT(turning_points(arc(45, 180), 0, kLeast), ElementsAre(DoubleNear(0.25, kExact), DoubleNear(0.75, kExact)));
-  EXPECT_THAT(turning_points(arc(45, -180), 0, kLeast), ElementsAre(DoubleNear(0.25, kExact), DoubleNear(0.75, kExact)));
+  EXPECT_THAT(turning_points(arc(45, 180), 0, kLeast),
+              ElementsAre(DoubleNear(0.25, kExact), DoubleNear(0.75, kExact)));
+  EXPECT_THAT(turning_points(arc(45, -180), 0, kLeast),
+              ElementsAre(DoubleNear(0.25, kExact), DoubleNear(0.75, kExact)));
   EXPECT_THAT(turning_points(arc(10, 60), 0, kLeast), IsEmpty());
   EXPECT_EQ(turning_points(arc(45, 3600), 0, kLeast).size(), 40u);
 }

@@ -222,6 +222,7 @@ DiffReport diff_programs(const std::string& original, const std::string& output,
       out.take();
       continue;
     }
+    if (takes_up(kept.block, b->block)) ++report.taken_up;
     bool done = reached(b->block);
     if (done) note(kept, *b);
     in.take();

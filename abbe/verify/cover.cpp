@@ -63,7 +63,8 @@ struct Comparison::Cover {
   double travelled_before = 0;  ///< path before this motion, mm
   Axes moving = 0;              ///< axes that the original moves
   double turning = 0;           ///< s that an axis needs to turn round on an arc
-  double from = 0, share = 0;   ///< s at the start of the present piece, and how much of the original it covers
+  double from = 0,
+         share = 0;  ///< s at the start of the present piece, and how much of the original it covers
 
   [[nodiscard]] double allowed_at(double s) const {
     if (excess <= 0) return allowed;
@@ -87,7 +88,8 @@ void Comparison::cover(const Motion& original) {
                            : std::abs(original.end.at[i] - original.start.at[i]) > kNoMotion;
     if (moves) cover.moving |= Axes{1} << i;
   }
-  if (original.kind == MotionKind::arc)  // beside its turning point an axis is displaced by r (sweep ds)^2 / 2
+  if (original.kind ==
+      MotionKind::arc)  // beside its turning point an axis is displaced by r (sweep ds)^2 / 2
     cover.turning = std::sqrt(2 * kTurned * job_.tolerance /
                               std::min(original.arc.start_radius, original.arc.end_radius)) /
                     std::abs(original.arc.sweep);
@@ -217,16 +219,16 @@ Vec3 Comparison::start_tip(const Vec3& command) {
   return model_.actual(command, approach_, nullptr);
 }
 
-/// Approach at t of the present piece. Where an axis has only begun to turn round, or has not quite turned, it
-/// is as on the rest of the piece.
+/// Approach at t of the present piece. Where an axis has only begun to turn round, or has not quite turned,
+/// it is as on the rest of the piece.
 void Comparison::follow_along(const Cover& cover, double t) {
   const double middle = cover.from + cover.share / 2;
   const double half = std::max(0.0, std::abs(cover.share) / 2 - cover.turning);
   follow_at(cover, std::clamp(cover.from + t * cover.share, middle - half, middle + half));
 }
 
-/// Approach at s of the original, for the axes that it moves: an axis that only follows corrections by fractions
-/// of a micrometre does not take up its lost motion.
+/// Approach at s of the original, for the axes that it moves: an axis that only follows corrections by
+/// fractions of a micrometre does not take up its lost motion.
 void Comparison::follow_at(const Cover& cover, double s) {
   Vec3 direction = derivative_at(cover.motion, s);
   for (int i = 0; i < 3; ++i)
@@ -244,7 +246,8 @@ bool Comparison::take_up(Cover& cover, const Motion& piece) {
   const Vec3 deviation = tip - cover.path.point(s);
   if (!(deviation.norm() <= cover.allowed)) return false;
   // A motion of few micrometres may be done in one piece: then this is its end.
-  if (cover.length <= 2 * cover.allowed && (tip - cover.path.point(1)).norm() < deviation.norm()) return false;
+  if (cover.length <= 2 * cover.allowed && (tip - cover.path.point(1)).norm() < deviation.norm())
+    return false;
   if (!cover.by_parameter) cover.last_s = cover.path.foot(tip).s;
   cover.furthest = std::max(cover.furthest, cover.last_s);
   cover.tip = tip;
@@ -296,8 +299,8 @@ void Comparison::account(Cover& cover, const Motion& piece, double t, const Vec3
   cover.furthest = std::max(cover.furthest, s);
   cover.tip = tip;
   const Vec3 target = cover.path.point(inside);
-  // The error at the output's command, where it is known already: from the one at the original's it differs by
-  // the correction times the gradient of the error, nanometres.
+  // The error at the output's command, where it is known already: from the one at the original's it differs
+  // by the correction times the gradient of the error, nanometres.
   const Vec3 before = tip - model_.nominal(point_at(piece, t)) - datum_;
   travelled_ = cover.travelled_before + inside * cover.length;
   before_.add(before, weight, original_.line());

@@ -190,10 +190,12 @@ EXX = { forward = { poly = [3] }, backward = { poly = [-3] } }
   EXPECT_TRUE(verify(plan, original, right, job).agrees) << texts(verify(plan, original, right, job));
   const std::string not_taken_up = "G0 X-0.0030\nG3 F10 X19.9970 Y0 I10 J0\nG3 X9.9970 Y10 I-10 J0\n";
   EXPECT_EQ(verify(plan, original, not_taken_up, job).diagnostics.front().code, "V-PATH");
-  const std::string wrong_way = "G0 X-0.0030\nG3 F10 X19.9970 Y0 I10 J0\nG1 X19.9910\nG3 X9.9910 Y10 I-10 J0\n";
+  const std::string wrong_way =
+      "G0 X-0.0030\nG3 F10 X19.9970 Y0 I10 J0\nG1 X19.9910\nG3 X9.9910 Y10 I-10 J0\n";
   EXPECT_FALSE(verify(plan, original, wrong_way, job).agrees);
   // too early: where X has not turned yet
-  const std::string early = "G0 X-0.0030\nG3 F10 X17.0681 Y-7.0711 I10 J0\nG1 X17.0741\nG3 X10.0030 Y10 I-7.0711 J7.0711\n";
+  const std::string early =
+      "G0 X-0.0030\nG3 F10 X17.0681 Y-7.0711 I10 J0\nG1 X17.0741\nG3 X10.0030 Y10 I-7.0711 J7.0711\n";
   EXPECT_FALSE(verify(plan, original, early, job).agrees);
 }
 

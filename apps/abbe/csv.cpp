@@ -19,8 +19,8 @@ constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 bool is_blank(std::string_view text) { return text.find_first_not_of(" \t") == std::string_view::npos; }
 
-/// Puts a pipe in the place of standard input, so that an interrupt ends the wait for it, too. False: it is none,
-/// or cannot be opened.
+/// Puts a pipe in the place of standard input, so that an interrupt ends the wait for it, too. False: it is
+/// none, or cannot be opened.
 bool stand_in_for_standard_input(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0 || !S_ISFIFO(status.st_mode)) return false;

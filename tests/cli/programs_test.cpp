@@ -126,13 +126,14 @@ TEST_F(Programs, InterruptLeavesNothingBehind) {
   const pid_t child = ::fork();
   if (child == 0) {
     ::dup2(printed[1], STDOUT_FILENO);
-    ::execl(ABBE_PROGRAM, "abbe", "compensate", machine_.c_str(), program.c_str(), "-o", out_.c_str(), "--json", "--set", "T1=20",
-            "--offset", "G54=X0,Y0,Z-100", nullptr);
+    ::execl(ABBE_PROGRAM, "abbe", "compensate", machine_.c_str(), program.c_str(), "-o", out_.c_str(),
+            "--json", "--set", "T1=20", "--offset", "G54=X0,Y0,Z-100", nullptr);
     ::_exit(127);
   }
   ::close(printed[1]);
   // The output begins to grow beside its final place: now it is being rewritten.
-  for (int k = 0; k < 2000 && entries() == before; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  for (int k = 0; k < 2000 && entries() == before; ++k)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
   EXPECT_GT(entries(), before);
   ASSERT_EQ(::kill(child, SIGINT), 0);
   std::string answer(4096, '\0');

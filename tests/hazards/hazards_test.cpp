@@ -1,5 +1,6 @@
-// Each hazard as a user meets it: abbe compensate MACHINE PROGRAM, its exit code, and either the output, byte by
-// byte, or the refusal with its code and place. What the expected outputs mean is said by the machine files.
+// Each hazard as a user meets it: abbe compensate MACHINE PROGRAM, its exit code, and either the output, byte
+// by byte, or the refusal with its code and place. What the expected outputs mean is said by the machine
+// files.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -39,12 +40,13 @@ struct Outcome {
   bool written = false;
 };
 
-Outcome compensate(const std::string& name, const std::string& machine, const std::vector<std::string>& options) {
+Outcome compensate(const std::string& name, const std::string& machine,
+                   const std::vector<std::string>& options) {
   const Folder folder;
   const std::string out = folder / "out.ngc";
-  std::vector<std::string> arguments = {"compensate", machine + ".toml", name + ".ngc", "-o",      out,
-                                        "--header",   "none",            "--datum",     "ideal", "--offset",
-                                        "G54=X0,Y0,Z0"};
+  std::vector<std::string> arguments = {"compensate", machine + ".toml", name + ".ngc", "-o",
+                                        out,          "--header",        "none",        "--datum",
+                                        "ideal",      "--offset",        "G54=X0,Y0,Z0"};
   arguments.insert(arguments.end(), options.begin(), options.end());
   Outcome outcome;
   outcome.run = run_abbe(arguments, {}, ABBE_HAZARDS);
@@ -86,7 +88,11 @@ INSTANTIATE_TEST_SUITE_P(
         Hazard{"h13_block_delete", "kink", 0, {}, {"--block-delete", "off"}},
         Hazard{"h14_block_numbers", "kink", 0, {}, {}}, Hazard{"h15_position_set", "offset", 0, {}, {}},
         Hazard{"h16_canned_cycles", "offset", 0, {}, {}},
-        Hazard{"h17_variables", "offset", 3, {"4:5: error[E-EXPR]", "5:1: error[E-EXPR]", "6:5: error[E-EXPR]"}, {}},
+        Hazard{"h17_variables",
+               "offset",
+               3,
+               {"4:5: error[E-EXPR]", "5:1: error[E-EXPR]", "6:5: error[E-EXPR]"},
+               {}},
         Hazard{"h18_unknown_codes", "offset", 3, {"4:1: error[E-FRAME]", "5:1: error[E-GCODE]"}, {}},
         Hazard{"h19_unknown_height", "offset", 0, {}, {"--tools", "tool.tbl"}},
         Hazard{"h21_outside", "offset", 5, {"4:1: error[E-TRAVEL]"}, {}},
@@ -114,7 +120,8 @@ TEST(HazardLaws, IncrementsSumToTheAbsolutePlace) {
   const Outcome outcome = compensate("h02_increments", "scale", {});
   ASSERT_TRUE(outcome.written);
   double x = 0;
-  for (const double step : words(outcome.output.substr(outcome.output.find("G91")), 'X')) x += std::isnan(step) ? 0 : step;
+  for (const double step : words(outcome.output.substr(outcome.output.find("G91")), 'X'))
+    x += std::isnan(step) ? 0 : step;
   EXPECT_NEAR(x, 99.5 / 1.00005, 0.51e-4);
 }
 
@@ -143,7 +150,8 @@ TEST(HazardLaws, NearlyHalfACircleIsNotWrittenWithR) {
 TEST(HazardLaws, ArcsKeepPlaneAndSenseOnACrookedMachine) {
   const Outcome outcome = compensate("h12_other_planes", "scale", {});
   ASSERT_TRUE(outcome.written) << outcome.run.err;
-  for (const char* code : {"G18 G2", "\nG3", "G19 G3", "G17 G3"}) EXPECT_EQ(count(outcome.output, code), 1U) << code;
+  for (const char* code : {"G18 G2", "\nG3", "G19 G3", "G17 G3"})
+    EXPECT_EQ(count(outcome.output, code), 1U) << code;
 }
 
 }  // namespace
