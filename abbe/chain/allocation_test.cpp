@@ -5,7 +5,7 @@
 
 #include "abbe/chain/correct.h"
 #include "abbe/chain/predict.h"
-#include "abbe/chain/random_machine.h"
+#include "abbe/chain/test_random_machine.h"
 
 #if defined(__SANITIZE_ADDRESS__)
 #define ABBE_COUNTS_ALLOCATIONS 0

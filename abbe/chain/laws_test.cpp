@@ -8,7 +8,7 @@
 #include "abbe/chain/correct.h"
 #include "abbe/chain/inverse.h"
 #include "abbe/chain/predict.h"
-#include "abbe/chain/random_machine.h"
+#include "abbe/chain/test_random_machine.h"
 #include "abbe/chain/walk.h"
 
 namespace abbe {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <vector>
+
 #include "abbe/compensate/rewrite_fixture.h"
 
 namespace abbe {
@@ -301,6 +303,71 @@ TEST(Rewrite, LostMotionIsTakenUpWhereAnAxisTurnsRound) {
   const auto result = rewrite(machine, "G0 X0 Y0 Z5\nG1 X10 F100\nG1 X0\nM2\n", job);
   ASSERT_TRUE(result.report.complete) << result.findings();
   EXPECT_NE(result.text.find("G1 X-0.0050 F100\nX9.9950\nG1 X10.0050\nX0.0050\n"), std::string::npos) << result.text;
+}
+
+/// X gets 5 um too far on its way up and too little on its way down, Z 4 um.
+Machine play_machine() {
+  const auto both = [](int k, double half) { return ErrorFunction::directional(k, ErrorFunction::constant(half), ErrorFunction::constant(-half)); };
+  return three_axes({{"EXX", both(0, 0.005)}, {"EZZ", both(2, 0.004)}});
+}
+RewriteJob reversal_job() {
+  RewriteJob job = plain_job();
+  job.reversal = true;
+  return job;
+}
+
+TEST(Rewrite, LostMotionIsTakenUpWhereAnAxisTurnsRoundOnAnArc) {
+  // counter-clockwise from the left: X + until it turns on the right, then - until the end
+  const auto result = rewrite(play_machine(), "G0 X0 Y0 Z5\nG1 X10 F100\nG3 X30 Y0 I10 J0 M8\nG3 X20 Y10 I-10 J0\nM2\n", reversal_job());
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  // the quarter from the right begins with X having turned: 29.995 -> 30.005 before the arc
+  EXPECT_NE(result.text.find("G1 X-0.0050 F100\nX9.9950\nG3 X29.9950 Y0 I10 J0 M8\nG1 X30.0050 Y0.0000\nG3 X20.0050 Y10.0000 I-10.0000\nM2"), std::string::npos) << result.text;
+}
+
+TEST(Rewrite, AFullCircleTakesUpAtEveryQuarterWhereItTurns) {
+  const auto result = rewrite(play_machine(), "G0 X0 Y0 Z5\nG1 X10 F100\nN7 G2 I10 J0 (circle)\nG1 X20\nM2\n", reversal_job());
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  // X turns once, on the right; on the left it goes on as it came and turns in the end only
+  EXPECT_NE(result.text.find("X9.9950\nN7 G2 I10 J0 X29.9950 (circle)\nG1 X30.0050\nG2 X10.0050 I-10.0000\nG1 X9.9950\nX19.9950\n"), std::string::npos) << result.text;
+}
+
+TEST(Rewrite, AnArcOutOfALineTakesUpFirst) {
+  // X has come upwards and goes on downwards: the arc's own block becomes the straight move
+  const auto result = rewrite(play_machine(), "G0 X0 Y0 Z5\nG1 X10 F100\nG3X0Y10I-10J0F50\nM2\n", reversal_job());
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_NE(result.text.find("X9.9950\nG1X10.0050Y0.0000F50\nG3 X0.0050 Y10.0000 I-10.0000\n"), std::string::npos) << result.text;
+  EXPECT_EQ(result.text.find('R'), std::string::npos);
+}
+
+TEST(Rewrite, ArcsWithoutReversalStayAsTheyAre) {
+  Machine machine = play_machine();
+  const auto mean = rewrite(machine, "G0 X0 Y0 Z5\nG3 X0 Y0 I10 J0 F100\nM2\n");
+  EXPECT_EQ(mean.text, "G0 X0 Y0 Z5\nG3 X0 Y0 I10 J0 F100\nM2\n");
+  // a lost motion of 0.2 um does not deserve a block
+  machine.errors[0].function = ErrorFunction::directional(0, ErrorFunction::constant(1e-4), ErrorFunction::constant(-1e-4));
+  const auto small = rewrite(machine, "G0 X0 Y0 Z5\nG3 X0 Y0 I10 J0 F100\nM2\n", reversal_job());
+  EXPECT_EQ(small.report.lines_out, 3u) << small.text;
+}
+
+TEST(Rewrite, LostMotionThatCannotBeTakenUpIsRefused) {
+  const auto inverse_time = rewrite(play_machine(), "G0 X0 Y0 Z5\nG93 G3 X0 Y0 I10 J0 F2\nM2\n", reversal_job());
+  EXPECT_TRUE(inverse_time.has("E-REVERSAL")) << inverse_time.findings();
+  const auto tiny = rewrite(play_machine(), "G0 X0 Y0 Z5\nG3 X0 Y0 I0.02 J0 F2\nM2\n", reversal_job());
+  EXPECT_TRUE(tiny.has("E-REVERSAL")) << tiny.findings();
+}
+
+TEST(Rewrite, HolesAreCorrectedForTheWayTheToolComes) {
+  const auto result = rewrite(play_machine(), "G0 X0 Y0 Z20\nG0 X1 Z30\nG98 G81 X10 Y10 Z-5 R5 F9\nX-10\nG80\nG0 X-20\nM2\n", reversal_job());
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  // Z up to 30: 4 um too high. Down into the hole: it stays 4 um too high. X by its way.
+  EXPECT_NE(result.text.find("G0 X0.9950 Z29.9960\nG98 G81 X9.9950 Y10 Z-4.9960 R5.0040 F9\nX-9.9950\nG80\nG0 X-19.9950"), std::string::npos) << result.text;
+}
+
+TEST(Rewrite, ARefusedCycleIsSaidOnce) {
+  const auto result = rewrite(offset_machine(), "G0 X0 Y0 Z5\nG81 X5 Y5 Z-3 F100\nX9\nX12\nG80\nG81 X5 R1 F100\nX9\nM2\n");
+  std::vector<std::size_t> lines;
+  for (const auto& d : result.report.diagnostics) lines.push_back(d.place.line);
+  EXPECT_EQ(lines, (std::vector<std::size_t>{2, 6})) << result.findings();
 }
 
 }  // namespace

@@ -93,12 +93,27 @@ class Rewriter {
   void stops_to_last(bool first, std::string* extra);
 
   // rewriter_arc.cpp
+  /// The directions in which the axes have moved last, after they went `way` (machine axes); `known` axes only.
+  void follow(const Vec3& way, unsigned known);
+  /// A motion up to this length is too short for a block before it that takes up lost motion, mm.
+  [[nodiscard]] double shortest_take_up() const;
   bool arc(const Move& move, std::string& out);
+  /// A part of an arc along which no axis turns round.
+  struct Stretch {
+    double s0 = 0, s1 = 1;
+    std::array<signed char, 3> approach{};
+  };
+  bool read_stretches(const Arc& nominal);
+  bool write_arc(const Arc& nominal, std::string& out, Vec3& p_out);
+  std::optional<Vec3> place_to_take_up(const Arc& nominal, double s, const Vec3& p_out);
+  /// Commands the place `want` by a straight move; the first block of an arc becomes that move.
+  void take_up_on_arc(const Vec3& want, bool first, Vec3& p_out, std::string* extra);
   std::optional<Arc> nominal_arc(const Move& move, const Vec3& p0, const Vec3& p1);
   struct ArcPiece {
     double s0 = 0, s1 = 1;
     Vec3 end = Vec3::Zero();   ///< wanted, output program coordinates
     Centre centre;
+    bool first = true;         ///< written into the block of the original
     bool keeps_radius = false;
   };
   bool fit_piece(const Arc& nominal, double s0, double s1, const Vec3& start, bool whole, ArcPiece& piece);
@@ -108,6 +123,17 @@ class Rewriter {
 
   // rewriter_cycle.cpp
   void cycle(std::string& out);
+  /// The holes of one block, program coordinates, mm.
+  struct Holes {
+    int a = 0, b = 1, n = 2;   ///< axes of the plane and of the holes
+    int count = 1;
+    double r = 0, z = 0;
+    Vec3 first = Vec3::Zero(), step = Vec3::Zero();
+    [[nodiscard]] Vec3 last() const { return first + (count - 1) * step; }
+  };
+  bool read_holes(Holes& holes);
+  bool shift_of(const Holes& holes, Vec3& shift);
+  double write_holes(const Holes& holes, const Vec3& shift, std::string& out, Vec3& p_out);
 
   [[nodiscard]] int decimals_of(const Word* word) const;
   [[nodiscard]] double half_digit(int decimals) const;  ///< program units
@@ -134,7 +160,8 @@ class Rewriter {
   unsigned known_ = 0, withheld_ = 0;
   bool start_corrected_ = false;  ///< the output stands where the correction wants it
   std::optional<Vec3> last_correction_;  ///< at in_.m, for the current datum
-  std::array<signed char, 3> approach_{};
+  std::array<signed char, 3> approach_{};  ///< in which each axis moved last, -1 0 +1
+  std::array<signed char, 3> stands_{};    ///< for which the output's place is corrected
   std::optional<int> selected_tool_, loaded_tool_;
   double gauge_ = 0;
   bool saved_g92_ = false;
@@ -146,12 +173,15 @@ class Rewriter {
 
   struct Cycle {
     GCode code = -1;
+    bool has_r = false, has_z = false;
+    bool refused = false;         ///< said once, not for every hole
     double r = 0, z = 0;          ///< sticky words of the original, program units
     double r_out = 0, z_out = 0;  ///< of the output
   } cycle_;
 
   std::vector<MoveSample> samples_;
   std::vector<ArcTarget> targets_;
+  std::vector<Stretch> stretches_;
   std::string move_text_;         ///< decision in words, for the trace
 };
 

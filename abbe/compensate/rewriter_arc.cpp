@@ -5,7 +5,9 @@
 #include <numbers>
 
 #include "abbe/compensate/rewriter.h"
+#include "abbe/compensate/turning_points.h"
 #include "abbe/core/number.h"
+#include "abbe/core/units.h"
 
 namespace abbe {
 namespace {
@@ -22,6 +24,13 @@ constexpr double kSweepSlack = 0.02;
 // A radius rounded to the last digit moves the centre by R / h: beyond this chord/2R it is written as a centre.
 constexpr double kLargestRadiusForm = 0.94;
 constexpr double kUnchanged = 1e-9;  // mm
+// Smaller components of a way are rounding, mm.
+constexpr double kSameWay = 1e-8;
+// An axis has turned round when it has moved back by this share of the tolerance.
+constexpr double kTurned = 0.1;
+// An arc whose radius is below this many tolerances and digits has no room to take up lost motion on its way.
+constexpr double kTightArc = 25;
+constexpr double kCoarsestDigit = 0.5 * um;
 // LinuxCNC (mm): radii at both ends differ by more than 100 times this, or by more than this and 0.1 %.
 constexpr double kCentreTolerance = 0.0282842712474619;  // 2 * 0.01 * sqrt(2)
 constexpr double kSpiralTolerance = 1e-3;
@@ -116,13 +125,13 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
     piece.end[a] = start[a];
     piece.end[b] = start[b];
   }
-  Vec3 end = rounded_end(piece.end, start, s0 == 0);
+  Vec3 end = rounded_end(piece.end, start, piece.first);
   if (!closed && end[a] == start[a] && end[b] == start[b]) {
     // The rounded end fell on the start, which would be a full circle: one last digit onwards along the chord.
     const int along = std::abs(nominal_end[a] - nominal_start[a]) >= std::abs(nominal_end[b] - nominal_start[b]) ? a : b;
     const double digit = 2 * half_digit(decimals_of(axis_word(along))) * modal_.unit();
     piece.end[along] = start[along] + (nominal_end[along] > nominal_start[along] ? digit : -digit);
-    end = rounded_end(piece.end, start, s0 == 0);
+    end = rounded_end(piece.end, start, piece.first);
   }
   if (closed != (end[a] == start[a] && end[b] == start[b])) return false;
   const bool clockwise = nominal.sweep < 0;
@@ -151,7 +160,7 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
   // as its words will be rounded
   const auto as_written = [&](int k, double centre) {
     double base = 0;
-    const Value value = centre_value(k, centre, start, s0 == 0, base);
+    const Value value = centre_value(k, centre, start, piece.first, base);
     return base + value.number * modal_.unit();
   };
   piece.centre = {as_written(a, fitted.a), as_written(b, fitted.b)};
@@ -172,21 +181,93 @@ void Rewriter::command_centre(const ArcPiece& piece, const Vec3& start, bool fir
   if (!modal_.absolute_centre && !first && extra->find_first_of("IJK") == std::string::npos) *extra += fmt::format(" {}0.0", "IJK"[a]);
 }
 
+double Rewriter::shortest_take_up() const { return job_.tolerance + kCoarsestDigit; }
+
+void Rewriter::follow(const Vec3& way, unsigned known) {
+  if (!job_.reversal) return;
+  for (int k = 0; k < 3; ++k) {
+    if (!(known & (1u << k)) || std::abs(way[k]) <= kSameWay) continue;
+    approach_[static_cast<std::size_t>(k)] = way[k] > 0 ? 1 : -1;
+  }
+}
+
+// Cuts an arc where an axis turns round and its lost motion shows. Ends with the last direction in approach_.
+bool Rewriter::read_stretches(const Arc& nominal) {
+  stretches_.assign(1, {0, 1, approach_});
+  if (!job_.reversal || !field_.depends_on_direction()) return true;
+  const Vec3 x = in_.frames.vector_to_machine(Vec3::UnitX());
+  auto ends = turning_points(nominal, std::atan2(x.y(), x.x()), kTurned * job_.tolerance);
+  ends.push_back(1);
+  double s0 = 0;
+  for (const double s1 : ends) {
+    follow(in_.frames.vector_to_machine(nominal.direction((s0 + s1) / 2)), 7);
+    Stretch& last = stretches_.back();
+    if (s0 == 0) {
+      last = {0, s1, approach_};
+    } else {
+      double jump = 0;
+      for (const double s : {s0, (s0 + s1) / 2, s1}) {
+        const Vec3 at = in_.frames.to_machine(nominal.at(s));
+        const auto before = correction_at(at, withheld_, last.approach), after = correction_at(at, withheld_, approach_);
+        if (!before || !after) return false;
+        jump = std::max(jump, (*after - *before).norm());
+      }
+      if (jump > interpolation_ / 2) {
+        stretches_.push_back({s0, s1, approach_});
+      } else {
+        last.s1 = s1;
+      }
+    }
+    s0 = s1;
+  }
+  return true;
+}
+
+// Where the output must go before the arc goes on at s: the place there with the direction of what follows.
+std::optional<Vec3> Rewriter::place_to_take_up(const Arc& nominal, double s, const Vec3& p_out) {
+  if (!job_.reversal || !field_.depends_on_direction() || nominal.length() <= shortest_take_up()) return std::nullopt;
+  if (s == 0 && !start_corrected_) return std::nullopt;
+  const Vec3 m = in_.frames.to_machine(nominal.at(s));
+  const auto c = correction_at(m, withheld_, approach_);
+  if (!c || (m + *c - out_.frames.to_machine(p_out)).norm() <= interpolation_) return std::nullopt;
+  if (modal_.feed_mode == 930) {
+    refuse_block("E-REVERSAL", "lost motion must be taken up in an inverse-time (G93) block", "the extra block would need a time of its own", "post with G94");
+    return std::nullopt;
+  }
+  return out_.frames.to_program(m + *c);
+}
+
+void Rewriter::take_up_on_arc(const Vec3& want, bool first, Vec3& p_out, std::string* extra) {
+  if (!first) {
+    *extra += " G1";
+    return command(want, false, p_out, extra);
+  }
+  const Word* code = nullptr;
+  for (int i = 0; i < block_.count; ++i) {
+    const Word& word = block_.words[static_cast<std::size_t>(i)];
+    if (word.letter == 'G' && (word.value == 2 || word.value == 3)) code = &word;
+    if (std::string_view("IJKRP").find(word.letter) != std::string_view::npos) edit_.remove(word);
+  }
+  if (code) {
+    edit_.replace(*code, "1");
+  } else {
+    edit_.add('G', "1");
+  }
+  command(want, true, p_out, nullptr);
+}
+
 bool Rewriter::arc(const Move& move, std::string& out) {
   if (!feed_allowed(move)) return false;  // knows its start, and so its end
   if (in_.frames.rotated() && (modal_.plane != Plane::xy || (withheld_ & 3u))) {
     refuse_block("E-ROTATION", "an arc out of the XY plane in a rotated work offset", "it is not an arc of the machine's axes", "set the offset without rotation");
     return false;
   }
-  if (job_.reversal && field_.depends_on_direction()) {
-    refuse_block("E-REVERSAL", "lost motion along an arc changes where an axis turns round", "it is taken up on straight moves only", "leave --reversal away: the mean is compensated and the lost motion reported");
-    return false;
-  }
-  const Vec3 p0 = in_.frames.to_program(move.m0);
-  const Vec3 p1 = in_.frames.to_program(move.m1);
-  const auto nominal = nominal_arc(move, p0, p1);
+  const auto nominal = nominal_arc(move, in_.frames.to_program(move.m0), in_.frames.to_program(move.m1));
   if (!nominal) return false;
   ++report_.arcs_in;
+  if (!read_stretches(*nominal)) return false;
+  if (approach_ != stands_) last_correction_.reset();  // it was for the other direction
+  const auto last_approach = approach_;
   if (withheld_ != 0) {
     const auto full = correction_at(move.m1, 0, approach_);
     if (!full) return false;
@@ -197,66 +278,14 @@ bool Rewriter::arc(const Move& move, std::string& out) {
       return false;
     }
   }
-  const auto c1 = correction_at(move.m1, withheld_, approach_);
+  const auto c1 = correction_at(move.m1, withheld_, stretches_.back().approach);
   if (!c1) return false;
   note_correction(move.m1, *c1);
 
   Vec3 p_out = out_.p();
-  std::string extra, tail;
-  double s0 = 0;
-  int written = 0;
-  const int turns = std::max(1, static_cast<int>(std::ceil(std::abs(nominal->sweep) / kTurn - 1e-9)));
-  const std::string_view inner_eol = file_eol_.empty() ? std::string_view("\n") : std::string_view(file_eol_);
-  while (s0 < 1) {
-    ArcPiece piece;
-    bool fitted = false;
-    // As few equal pieces of what is left as hold; several turns are either one block or unrolled.
-    for (int k = 1; k <= kMostPieces && !fitted; k = k < 8 ? k + 1 : k + k / 4) {
-      const double s1 = k == 1 ? 1.0 : s0 + (1 - s0) / k;
-      const bool whole = s0 == 0 && k == 1;
-      if (!whole && std::abs(nominal->sweep) * (s1 - s0) > kTurn * 0.98) continue;
-      fitted = fit_piece(*nominal, s0, s1, p_out, whole, piece);
-      if (!fitted && findings_.refused()) return false;
-    }
-    if (!fitted) {
-      refuse_block("E-TOL", "no arcs follow the correction along this arc within the tolerance", "the correction bends too much, or the arc is too short for its digits", "post the arc as lines, or allow more with --tolerance-um");
-      return false;
-    }
-    const bool first = written == 0, last = piece.s1 >= 1;
-    const Vec3 start = p_out;
-    extra.clear();
-    command(piece.end, first, p_out, &extra);
-    command_centre(piece, start, first, &extra);
-    put_feed_share(piece.s1 - piece.s0, first, &extra);
-    if (!last || !first) {
-      if (first) stops_to_last(true, nullptr);
-      if (last) stops_to_last(false, &extra);
-    }
-    if (first && !last && turns > 1) {
-      if (const Word* p = instruction_.find(block_, 'P')) edit_.remove(*p);
-    }
-    if (!first) {
-      tail += block_.slash ? "/" : "";
-      tail += extra.substr(block_.slash ? 0 : 1);
-      tail += last ? eol_ : inner_eol;
-      ++report_.lines_out;
-      const double length = nominal->length() * (piece.s1 - piece.s0);
-      if (report_.shortest_split == 0 || length < report_.shortest_split) report_.shortest_split = length;
-    }
-    ++written;
-    ++report_.arcs_out;
-    s0 = piece.s1;
-  }
-  const std::size_t begin = out.size();
-  edit_.append_to(out);
-  const std::string_view line_eol = eol_;
-  if (written > 1) eol_ = inner_eol;
-  end_line(out, begin);
-  eol_ = line_eol;
-  out += tail;
-  if (written > 1) ++report_.blocks.split;
-  if (edit_.changed()) ++report_.blocks.rewritten;
-  if (number_ == job_.trace_line) move_text_ = written > 1 ? fmt::format("arc in {} arcs: the correction turns it into an ellipse or tilts it", written) : "arc: stays one arc";
+  const bool written = write_arc(*nominal, out, p_out);
+  approach_ = last_approach;
+  if (!written) return false;
   out_.m = out_.frames.to_machine(p_out);
   for (int k = 0; k < 3; ++k) {
     if (withheld_ & (1u << k)) out_.m[k] = move.m1[k];
@@ -264,6 +293,92 @@ bool Rewriter::arc(const Move& move, std::string& out) {
   in_.m = move.m1;
   last_correction_ = withheld_ == 0 ? c1 : std::nullopt;
   start_corrected_ = withheld_ == 0;
+  stands_ = stretches_.back().approach;
+  return true;
+}
+
+bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
+  std::string extra, tail;
+  int blocks = 0, pieces = 0;
+  const int turns = std::max(1, static_cast<int>(std::ceil(std::abs(nominal.sweep) / kTurn - 1e-9)));
+  const std::string_view inner_eol = file_eol_.empty() ? std::string_view("\n") : std::string_view(file_eol_);
+  const auto end_block = [&](bool last) {
+    if (blocks++ == 0) return;
+    tail += block_.slash ? "/" : "";
+    tail += extra.substr(block_.slash ? 0 : 1);
+    tail += last ? eol_ : inner_eol;
+    ++report_.lines_out;
+  };
+  for (const Stretch& stretch : stretches_) {
+    approach_ = stretch.approach;
+    const auto place = place_to_take_up(nominal, stretch.s0, p_out);
+    bool straight = place.has_value();
+    if ((place || stretch.s0 > 0) && std::min(nominal.r0, nominal.r1) < kTightArc * shortest_take_up()) {
+      refuse_block("E-REVERSAL", "an axis turns round on an arc that is too small to take up its lost motion", "nothing can be put between its parts",
+                   "leave the arc out, or leave --reversal away: the mean is compensated and the lost motion reported");
+      return false;
+    }
+    if (place) {
+      extra.clear();
+      if (blocks == 0) stops_to_last(true, nullptr);
+      take_up_on_arc(*place, blocks == 0, p_out, &extra);
+      end_block(false);
+    }
+    double s0 = stretch.s0;
+    while (s0 < stretch.s1) {
+      ArcPiece piece;
+      piece.first = blocks == 0;
+      bool fitted = false;
+      // As few equal pieces of what is left as hold; several turns are either one block or unrolled.
+      for (int k = 1; k <= kMostPieces && !fitted; k = k < 8 ? k + 1 : k + k / 4) {
+        const double s1 = k == 1 ? stretch.s1 : s0 + (stretch.s1 - s0) / k;
+        const bool whole = piece.first && s0 == 0 && s1 == 1;
+        if (!whole && std::abs(nominal.sweep) * (s1 - s0) > kTurn * 0.98) continue;
+        fitted = fit_piece(nominal, s0, s1, p_out, whole, piece);
+        if (!fitted && findings_.refused()) return false;
+      }
+      if (!fitted) {
+        refuse_block("E-TOL", "no arcs follow the correction along this arc within the tolerance", "the correction bends too much, or the arc is too short for its digits", "post the arc as lines, or allow more with --tolerance-um");
+        return false;
+      }
+      const bool first = piece.first, last = piece.s1 >= 1;
+      const Vec3 start = p_out;
+      extra.clear();
+      if (straight) extra = instruction_.motion == 20 ? " G2" : " G3";
+      straight = false;
+      command(piece.end, first, p_out, &extra);
+      command_centre(piece, start, first, &extra);
+      put_feed_share(piece.s1 - piece.s0, first, &extra);
+      if (first && !last) {
+        stops_to_last(true, nullptr);
+        if (const Word* p = instruction_.find(block_, 'P'); p && turns > 1) edit_.remove(*p);
+      }
+      if (last && !first) stops_to_last(false, &extra);
+      if (!first) {
+        const double length = nominal.length() * (piece.s1 - piece.s0);
+        if (report_.shortest_split == 0 || length < report_.shortest_split) report_.shortest_split = length;
+      }
+      end_block(last);
+      ++pieces;
+      ++report_.arcs_out;
+      s0 = piece.s1;
+    }
+  }
+  const std::size_t begin = out.size();
+  edit_.append_to(out);
+  const std::string_view line_eol = eol_;
+  if (blocks > 1) eol_ = inner_eol;
+  end_line(out, begin);
+  eol_ = line_eol;
+  out += tail;
+  if (blocks > 1) ++report_.blocks.split;
+  if (edit_.changed()) ++report_.blocks.rewritten;
+  if (number_ != job_.trace_line) return true;
+  if (blocks > pieces) {
+    move_text_ = fmt::format("arc in {} arcs; {} short moves take up lost motion where an axis turns round", pieces, blocks - pieces);
+  } else {
+    move_text_ = pieces > 1 ? fmt::format("arc in {} arcs: the correction turns it into an ellipse or tilts it", pieces) : "arc: stays one arc";
+  }
   return true;
 }
 

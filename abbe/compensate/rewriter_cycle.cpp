@@ -11,95 +11,145 @@ namespace abbe {
 // The control makes the motions of a cycle itself: X Y Z R are shifted together by the correction at
 // mid-depth of the hole, if the correction is the same everywhere in it (docs/theory/compensation.md).
 void Rewriter::cycle(std::string& out) {
-  const int a = plane_axes(modal_.plane)[0], b = plane_axes(modal_.plane)[1], n = plane_axes(modal_.plane)[2];
-  const GCode code = instruction_.motion;
-  const double unit = modal_.unit();
-  const bool first = cycle_.code != code;
-  const Word* wr = instruction_.find(block_, 'R');
-  const Word* wz = axis_word(n);
-  const Word* wl = instruction_.find(block_, 'L');
-  const auto bad = [&](const char* what, const char* why, const char* fix) { refuse_block("E-CYCLE", what, why, fix); };
-  if ((code == 740 || code == 840) && modal_.plane != Plane::xy) {
-    return bad("tapping outside the XY plane", "LinuxCNC moves other axes than the program names", "tap in G17");
-  }
-  if (first && (!wr || !wz)) return bad("the first block of a cycle needs R and the bottom", "the control refuses it", "add them");
-  const double repeats = wl ? wl->value : 1;
-  if (repeats < 1 || repeats > 9999 || repeats != std::floor(repeats)) return bad("L of a cycle is a number of repeats, 1 to 9999", "the holes are not defined", "correct L");
-  if (known_ != 7) {
-    refuse_block("E-POS", "a cycle while the position of an axis is not known", "the correction depends on all three axes",
-                 "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z..");
-    return;
-  }
-  if (!in_.frames.known()) {
-    Move unused;
-    static_cast<void>(read_move(unused));  // reports the missing work offset
-    return;
-  }
-  if (in_.frames.rotated() && (modal_.plane != Plane::xy || (withheld_ & 3u))) {
-    refuse_block("E-ROTATION", "a cycle in a rotated work offset needs the XY plane", "it is not a motion of the machine's axes", "set the offset without rotation");
-    return;
-  }
-  const Vec3 p = in_.p(), p_out = out_.p();
-  // As in LinuxCNC the height before the whole sequence is what G98 returns to and what R adds to in G91.
-  if (cycle_.code < 0) {
-    in_.cycle_level = p[n];
-    out_.cycle_level = p_out[n];
-  }
-  const double r_word = wr ? wr->value : cycle_.r, z_word = wz ? wz->value : cycle_.z;
-  const double r = r_word * unit + (modal_.incremental ? in_.cycle_level : 0.0);
-  const double z = z_word * unit + (modal_.incremental ? r : 0.0);
-  if (z > r) return bad("the bottom of the hole lies above R", "the control refuses it", "check Z and R");
-  const auto count = static_cast<int>(repeats);
-  Vec3 step = Vec3::Zero(), hole = p;
-  for (const int k : {a, b}) {
-    if (const Word* word = axis_word(k)) {
-      if (modal_.incremental) step[k] = word->value * unit;
-      else hole[k] = word->value * unit;
-    }
-  }
-  if (modal_.incremental) hole += step;
-  const Vec3 last_hole = modal_.incremental ? Vec3(hole + (count - 1) * step) : hole;
-
-  withheld_ &= ~(1u << n);
-  for (const int k : {a, b}) {
+  Holes holes;
+  if (!read_holes(holes)) return;
+  withheld_ &= ~(1u << holes.n);
+  for (const int k : {holes.a, holes.b}) {
     if (axis_word(k)) withheld_ &= ~(1u << k);
   }
   refresh_datum();
+  // X and Y come to the hole as the way there goes, the cycle's axis downwards.
+  Vec3 way = in_.frames.vector_to_machine(holes.first - in_.p());
+  way[holes.n] = holes.z - holes.r;
+  follow(way, 7);
+  if (approach_ != stands_) last_correction_.reset();  // it was for the other direction
+
+  Vec3 shift = Vec3::Zero(), end_out = out_.p();
+  double r_out = holes.r;
+  const bool shifted = shift_of(holes, shift);
+  if (shifted) r_out = write_holes(holes, shift, out, end_out);
+
+  Vec3 end = holes.last();
+  end[holes.n] = modal_.retract_to_r ? holes.r : std::max(in_.cycle_level, holes.r);
+  end_out[holes.n] = modal_.retract_to_r ? r_out : std::max(out_.cycle_level, r_out);
+  in_.m = in_.frames.to_machine(end);
+  // Refused: nothing is written any more, but what follows is judged from where it starts.
+  out_.m = shifted ? out_.frames.to_machine(end_out) : in_.m;
+  stands_ = approach_;
+  Vec3 up = Vec3::Zero();
+  up[holes.n] = end[holes.n] - holes.z;
+  follow(up, 7);
+  last_correction_.reset();
+  start_corrected_ = shifted && withheld_ == 0;
+}
+
+// What the words of the block and those that are still in force mean. False: refused.
+bool Rewriter::read_holes(Holes& holes) {
+  holes.a = plane_axes(modal_.plane)[0];
+  holes.b = plane_axes(modal_.plane)[1];
+  holes.n = plane_axes(modal_.plane)[2];
+  const GCode code = instruction_.motion;
+  const double unit = modal_.unit();
+  const Word* wr = instruction_.find(block_, 'R');
+  const Word* wz = axis_word(holes.n);
+  const Word* wl = instruction_.find(block_, 'L');
+  const auto bad = [&](const char* what, const char* why, const char* fix) {
+    refuse_block("E-CYCLE", what, why, fix);
+    return false;
+  };
+  const Vec3 p = in_.p();
+  // As in LinuxCNC the height before the whole sequence is what G98 returns to and what R adds to in G91.
+  if (cycle_.code < 0) {
+    in_.cycle_level = p[holes.n];
+    out_.cycle_level = out_.p()[holes.n];
+  }
+  if (cycle_.code != code) {
+    cycle_ = Cycle{};
+    cycle_.code = code;
+  }
+  if (cycle_.refused) return false;  // its first block was: one cause, one finding
+  if (wr) cycle_.r = wr->value;
+  if (wz) cycle_.z = wz->value;
+  cycle_.has_r = cycle_.has_r || wr;
+  cycle_.has_z = cycle_.has_z || wz;
+  cycle_.refused = true;  // until it has been understood
+  if ((code == 740 || code == 840) && modal_.plane != Plane::xy) {
+    return bad("tapping outside the XY plane", "LinuxCNC moves other axes than the program names", "tap in G17");
+  }
+  if (!cycle_.has_r || !cycle_.has_z) return bad("the first block of a cycle needs R and the bottom", "the control refuses it", "add them");
+  if (known_ != 7) {
+    refuse_block("E-POS", "a cycle while the position of an axis is not known", "the correction depends on all three axes",
+                 "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z..");
+    return false;
+  }
+  if (!in_.frames.known()) {
+    Move unused;
+    return read_move(unused);  // reports the missing work offset
+  }
+  if (in_.frames.rotated() && (modal_.plane != Plane::xy || (withheld_ & 3u))) {
+    refuse_block("E-ROTATION", "a cycle in a rotated work offset needs the XY plane", "it is not a motion of the machine's axes", "set the offset without rotation");
+    return false;
+  }
+  cycle_.refused = false;
+  const double repeats = wl ? wl->value : 1;
+  if (repeats < 1 || repeats > 9999 || repeats != std::floor(repeats)) return bad("L of a cycle is a number of repeats, 1 to 9999", "the holes are not defined", "correct L");
+  holes.count = modal_.incremental ? static_cast<int>(repeats) : 1;
+  holes.r = cycle_.r * unit + (modal_.incremental ? in_.cycle_level : 0.0);
+  holes.z = cycle_.z * unit + (modal_.incremental ? holes.r : 0.0);
+  if (holes.z > holes.r) return bad("the bottom of the hole lies above R", "the control refuses it", "check Z and R");
+  holes.first = p;
+  for (const int k : {holes.a, holes.b}) {
+    const Word* word = axis_word(k);
+    if (!word) continue;
+    if (modal_.incremental) holes.step[k] = word->value * unit;
+    holes.first[k] = word->value * unit + (modal_.incremental ? p[k] : 0.0);
+  }
+  return true;
+}
+
+// The shift of all holes of the block, program coordinates. False: refused.
+bool Rewriter::shift_of(const Holes& holes, Vec3& shift) {
   const auto at_height = [&](Vec3 at, double h) {
-    at[n] = h;
+    at[holes.n] = h;
     return in_.frames.to_machine(at);
   };
-  const Vec3 middle = at_height((hole + last_hole) / 2, (r + z) / 2);
+  const Vec3 middle = at_height((holes.first + holes.last()) / 2, (holes.r + holes.z) / 2);
   const auto c = correction_at(middle, withheld_, approach_);
-  if (!c) return;
+  if (!c) return false;
   note_correction(middle, *c);
-  Vec3 shift = in_.frames.vector_to_program(*c);
-  if (modal_.incremental && count > 1) {
+  shift = in_.frames.vector_to_program(*c);
+  if (holes.count > 1) {
     // the same word steps to every hole: it cannot take up a correction
-    for (const int k : {a, b}) shift[k] = p_out[k] - p[k];
+    const Vec3 stands = out_.p() - in_.p();
+    for (const int k : {holes.a, holes.b}) shift[k] = stands[k];
   }
   double residual = 0;
-  Vec3 at = hole;
-  for (int i = 0; i < count; ++i) {
-    for (const double h : {r, z}) {
+  Vec3 at = holes.first;
+  for (int i = 0; i < holes.count; ++i) {
+    for (const double h : {holes.r, holes.z}) {
       const auto there = correction_at(at_height(at, h), withheld_, approach_);
-      if (!there) return;
+      if (!there) return false;
       residual = std::max(residual, (in_.frames.vector_to_program(*there) - shift).norm());
     }
-    if (!modal_.incremental) break;
-    at += step;
+    at += holes.step;
   }
   report_.cycle_residual = std::max(report_.cycle_residual, residual);
   if (residual > job_.tolerance) {
     refuse_block("E-CYCLE", fmt::format("the correction changes by {:.2f} um inside this cycle", residual / um),
                  "the control makes the motions of the cycle itself, so it can only be shifted as a whole",
                  "post the holes as G0 and G1, or allow more with --tolerance-um");
-    return;
+    return false;
   }
+  move_text_ = fmt::format("cycle: shifted as a whole by the correction at mid-depth; {:.2f} um of it change inside", residual / um);
+  return true;
+}
 
+// Returns the R level of the output; `p_out` becomes the place of its last hole.
+double Rewriter::write_holes(const Holes& holes, const Vec3& shift, std::string& out, Vec3& p_out) {
+  const double unit = modal_.unit();
   // X and Y like any other move; the hole's depth words apart
-  Vec3 at_out = p_out;
-  command(hole + shift, true, at_out, nullptr, 1u << n);
+  const Vec3 from = p_out;
+  command(holes.first + shift, true, p_out, nullptr, 1u << holes.n);
   const auto depth_word = [&](const Word* word, char letter, double wanted, double present) {
     const Value value = value_for(wanted, word, present, decimals_of(word));
     if (value.written) put(letter, word, value.number, decimals_of(word), true, nullptr);
@@ -107,29 +157,17 @@ void Rewriter::cycle(std::string& out) {
   };
   // R, then the bottom measured from R where increments are programmed
   const double r_base = modal_.incremental ? out_.cycle_level : 0.0;
-  cycle_.r_out = depth_word(wr, 'R', (r + shift[n] - r_base) / unit, cycle_.r_out);
+  cycle_.r_out = depth_word(instruction_.find(block_, 'R'), 'R', (holes.r + shift[holes.n] - r_base) / unit, cycle_.r_out);
   const double r_out = r_base + cycle_.r_out * unit;
   const double z_base = modal_.incremental ? r_out : 0.0;
-  cycle_.z_out = depth_word(wz, "XYZ"[n], (z + shift[n] - z_base) / unit, cycle_.z_out);
-  cycle_.r = r_word;
-  cycle_.z = z_word;
-  cycle_.code = code;
+  cycle_.z_out = depth_word(axis_word(holes.n), "XYZ"[holes.n], (holes.z + shift[holes.n] - z_base) / unit, cycle_.z_out);
 
   const std::size_t begin = out.size();
   edit_.append_to(out);
   end_line(out, begin);
   if (edit_.changed()) ++report_.blocks.rewritten;
-  Vec3 end = last_hole, end_out = at_out;
-  if (modal_.incremental && count > 1) {
-    for (const int k : {a, b}) end_out[k] = at_out[k] + (count - 1) * (at_out[k] - p_out[k]);
-  }
-  end[n] = modal_.retract_to_r ? r : std::max(in_.cycle_level, r);
-  end_out[n] = modal_.retract_to_r ? r_out : std::max(out_.cycle_level, r_out);
-  in_.m = in_.frames.to_machine(end);
-  out_.m = out_.frames.to_machine(end_out);
-  last_correction_.reset();
-  start_corrected_ = withheld_ == 0;
-  move_text_ = fmt::format("cycle: shifted as a whole by the correction at mid-depth; {:.2f} um of it change inside", residual / um);
+  for (const int k : {holes.a, holes.b}) p_out[k] += (holes.count - 1) * (p_out[k] - from[k]);
+  return r_out;
 }
 
 }  // namespace abbe

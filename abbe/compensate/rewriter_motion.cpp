@@ -16,7 +16,6 @@ constexpr double kFineSpacing = 2;
 constexpr std::size_t kMaxUniform = 64;
 // The gradient between two points closer than this is dominated by rounding, mm.
 constexpr double kGradientBase = 0.05;
-constexpr double kSameWay = 1e-9;
 
 }  // namespace
 
@@ -75,6 +74,7 @@ void Rewriter::motion(std::string& out) {
     for (int k = 0; k < 3; ++k) {
       if (move.named & (1u << k)) out_.m[k] = move.m1[k];
     }
+    follow(move.m1 - move.m0, move.known0);
     if (instruction_.motion == 10 && (move.known0 & move.named) != move.named) {
       refuse_block("E-POS", "a feed move from an unknown position", "the path cannot be followed", "begin with G0, or give the position with --start");
       return;
@@ -276,17 +276,10 @@ bool Rewriter::straight(const Move& move, std::string& out) {
   const bool feed = instruction_.motion == 10;
   if (feed && !feed_allowed(move)) return false;
   const Vec3 way = move.m1 - move.m0;
-  std::array<signed char, 3> approach{};
-  bool turned = false;
-  if (job_.reversal) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double d = move.known0 == 7 ? way[static_cast<Eigen::Index>(k)] : 0.0;
-      approach[k] = d > kSameWay ? 1 : d < -kSameWay ? -1 : approach_[k];
-    }
-    turned = approach != approach_ && field_.depends_on_direction();
-    approach_ = approach;
-    if (turned) last_correction_.reset();  // it was for the other direction
-  }
+  follow(way, move.known0);
+  const std::array<signed char, 3> approach = approach_;
+  const bool turned = approach != stands_ && field_.depends_on_direction();
+  if (turned) last_correction_.reset();  // it was for the other direction
   if (out_.frames.rotated() && (withheld_ & 3u)) {
     refuse_block("E-ROTATION", "X or Y stands in machine coordinates in a rotated work offset", "its correction cannot be withheld there", "command X and Y after G53");
     return false;
@@ -313,7 +306,7 @@ bool Rewriter::straight(const Move& move, std::string& out) {
     const bool look = length > short_enough_ || turned;
     if (look) {
       if (!sample_line(move, *c1, approach)) return false;
-      takes_up = turned && start_corrected_ &&
+      takes_up = turned && start_corrected_ && length > shortest_take_up() &&
                  (move.m0 + samples_.front().correction - out_.m).norm() > interpolation_;
       if (takes_up && modal_.feed_mode == 930) {
         refuse_block("E-REVERSAL", "lost motion must be taken up in an inverse-time (G93) block", "the extra block would need a time of its own", "post with G94");
@@ -377,6 +370,7 @@ bool Rewriter::straight(const Move& move, std::string& out) {
   known_ = move.known1;
   last_correction_ = withheld_ == 0 ? c1 : std::nullopt;
   start_corrected_ = withheld_ == 0;
+  stands_ = approach;
   return true;
 }
 

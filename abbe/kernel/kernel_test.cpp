@@ -10,7 +10,7 @@
 
 #include "abbe/chain/correct.h"
 #include "abbe/chain/predict.h"
-#include "abbe/chain/random_machine.h"
+#include "abbe/chain/test_random_machine.h"
 #include "abbe/kernel/flat_plan.h"
 #include "abbe/kernel/tip_function.h"
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <array>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -91,7 +90,6 @@ struct ErrorTerm {
 struct Calibration {
   std::string date, machine_id, control_compensation, valid_to;  ///< dates as YYYY-MM-DD
   std::optional<double> temperature;                             ///< degC
-  std::map<std::string, std::string> other;                      ///< further keys, as text
 };
 
 /// A machine and its errors, as described by its file: an immutable value.

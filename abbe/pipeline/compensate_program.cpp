@@ -254,17 +254,15 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   run.add(outcome.rewrite.diagnostics);
   outcome.rewrite.sha256_in = input->sha256;
   report.rewrite = &outcome.rewrite;
-  if (outcome.rewrite.stopped) {
-    outcome.end = ProgramEnd::stopped;
-    return std::move(run.outcome);
-  }
-  if (!outcome.rewrite.complete) {
-    outcome.end = end_of_refusal(outcome.rewrite);
+  const auto without_output = [&](ProgramEnd end) {
+    outcome.end = end;
     report.output_name.clear();
     outcome.json = json_report(report);
     outcome.text = human_report(report);
     return std::move(run.outcome);
-  }
+  };
+  if (outcome.rewrite.stopped) return without_output(ProgramEnd::stopped);
+  if (!outcome.rewrite.complete) return without_output(end_of_refusal(outcome.rewrite));
 
   VerifyJob verify = verify_job(job);
   verify.original_path = input->path;
@@ -274,18 +272,9 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   outcome.verify = verify_program(plan, verify, progress);
   run.add(outcome.verify.diagnostics);
   report.verify = &outcome.verify;
-  if (outcome.verify.stopped) {
-    outcome.end = ProgramEnd::stopped;
-    return std::move(run.outcome);
-  }
+  if (outcome.verify.stopped) return without_output(ProgramEnd::stopped);
   if (!unchanged(run, *input)) return std::move(run.outcome);
-  if (!outcome.verify.agrees) {
-    outcome.end = ProgramEnd::disagrees;
-    report.output_name.clear();
-    outcome.json = json_report(report);
-    outcome.text = human_report(report);
-    return std::move(run.outcome);
-  }
+  if (!outcome.verify.agrees) return without_output(ProgramEnd::disagrees);
   std::vector<Extra> extras;
   finish_reports(run, report, extras);
   if (job.header == HeaderForm::sidecar && !job.output.empty()) extras.push_back({job.output + ".abbe.json", outcome.json});
@@ -305,12 +294,14 @@ ProgramOutcome verify_programs(const Plan& plan, const ProgramJob& job, const st
   if (!run.outcome.diagnostics.empty()) return std::move(run.outcome);
   run.outcome.verify = verify_program(plan, verify, progress);
   run.add(run.outcome.verify.diagnostics);
-  if (run.outcome.verify.stopped) {
-    run.outcome.end = ProgramEnd::stopped;
-    return std::move(run.outcome);
-  }
   ProgramReport report = run.report("verify", output);
   report.verify = &run.outcome.verify;
+  if (run.outcome.verify.stopped) {
+    run.outcome.end = ProgramEnd::stopped;
+    run.outcome.json = json_report(report);
+    run.outcome.text = human_report(report);
+    return std::move(run.outcome);
+  }
   std::vector<Extra> extras;
   finish_reports(run, report, extras);
   if (!publish(run, nullptr, extras)) return std::move(run.outcome);

@@ -67,8 +67,23 @@ std::string number_text(const Block& block, const Word& word) {
   return std::string(block.text.substr(word.number, static_cast<std::size_t>(word.end - word.number)));
 }
 
-/// The text with numbers that may change, words that may be added and blanks taken out.
+bool has_centre(const Block& block) { return find(block, 'I') || find(block, 'J') || find(block, 'K') || find(block, 'R'); }
+bool is_line_or_arc(const Word& word) { return word.letter == 'G' && (word.value == 1 || word.value == 2 || word.value == 3); }
+
+/// An arc whose block became the straight move that takes up lost motion before it.
+bool takes_up(const Block& original, const Block& output) {
+  if (!has_centre(original) || has_centre(output)) return false;
+  for (int i = 0; i < output.count; ++i) {
+    const Word& word = output.words[static_cast<std::size_t>(i)];
+    if (word.letter == 'G' && word.value == 1) return true;
+  }
+  return false;
+}
+
+/// The text with numbers that may change, words that may be added and blanks taken out; without the motion
+/// code if an arc became a straight move.
 std::string skeleton(const Block& block, const Block& other) {
+  const bool became_straight = takes_up(block, other) || takes_up(other, block);
   std::string text;
   std::size_t at = 0;
   const auto put = [&](std::string_view piece) {
@@ -80,7 +95,7 @@ std::string skeleton(const Block& block, const Block& other) {
     const Word& word = block.words[static_cast<std::size_t>(i)];
     const bool both = find(other, word.letter) != nullptr;
     // what a split moves to its last piece, and the turns of an arc that was unrolled
-    const bool moved = (word.letter == 'M' && (word.value <= 2 || word.value == 30 || word.value == 60)) || (word.letter == 'P' && !both);
+    const bool moved = (became_straight && is_line_or_arc(word)) || (word.letter == 'M' && (word.value <= 2 || word.value == 30 || word.value == 60)) || (word.letter == 'P' && !both);
     put(block.text.substr(at, word.begin - at));
     if (!moved && (!may_change(word.letter) || both)) {
       put(block.text.substr(word.begin, 1));
@@ -96,7 +111,7 @@ bool only_coordinates(const Line& line) {
   if (!line.understood || line.block.count == 0 || line.block.has_comment) return false;
   for (int i = 0; i < line.block.count; ++i) {
     const Word& word = line.block.words[static_cast<std::size_t>(i)];
-    if (!may_change(word.letter) && word.letter != 'M') return false;
+    if (!may_change(word.letter) && word.letter != 'M' && !is_line_or_arc(word)) return false;
   }
   return true;
 }
@@ -120,6 +135,7 @@ DiffReport diff_programs(const std::string& original, const std::string& output,
   report.readable = report.same_program = true;
   Lines in(std::move(std::get<LineReader>(first))), out(std::move(std::get<LineReader>(second)));
   bool incremental = false;
+  std::array<double, 3> at{};  // of the output, program units
   const auto differs = [&](const Line* a, const Line* b, const char* what) {
     report.same_program = false;
     Diagnostic d;
@@ -187,7 +203,8 @@ DiffReport diff_programs(const std::string& original, const std::string& output,
     std::string_view whole_view = whole.bytes;
     Line kept = whole;
     static_cast<void>(read_block(whole_view, kept.block));
-    std::array<double, 3> at{};
+    const std::array<double, 3> start = at;
+    const bool closed = has_centre(kept.block) && !find(kept.block, 'X') && !find(kept.block, 'Y') && !find(kept.block, 'Z');
     const auto reached = [&](const Block& block) {
       bool near = true;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -195,17 +212,17 @@ DiffReport diff_programs(const std::string& original, const std::string& output,
         const Word* word = find(block, letter);
         if (word) at[k] = incremental ? at[k] + word->value : word->value;
         const Word* target = find(kept.block, letter);
-        if (target && std::abs(at[k] - target->value) > kNear) near = false;
+        const double end = closed || !target ? start[k] : target->value + (incremental ? start[k] : 0.0);
+        if ((closed || target) && std::abs(at[k] - end) > kNear) near = false;
       }
-      const bool arc = find(kept.block, 'I') || find(kept.block, 'J') || find(kept.block, 'K') || find(kept.block, 'R');
-      if (arc && !find(kept.block, 'X') && !find(kept.block, 'Y') && !find(kept.block, 'Z')) near = !find(block, 'X') && !find(block, 'Y') && !find(block, 'Z');
-      return near;
+      return near && !takes_up(kept.block, block);
     };
     if (!kept.understood || !b->understood || kept.block.count == 0) {
       in.take();
       out.take();
       continue;
     }
+    if (takes_up(kept.block, b->block)) ++report.taken_up;
     bool done = reached(b->block);
     if (done) note(kept, *b);
     in.take();

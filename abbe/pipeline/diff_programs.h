@@ -20,8 +20,9 @@ struct WordChange {
 
 struct DiffReport {
   bool readable = false;   ///< false: see diagnostics
-  bool same_program = false;  ///< apart from numbers, added words and added blocks every byte is the same
+  bool same_program = false;  ///< apart from what is counted here every byte is the same
   std::uint64_t lines_in = 0, lines_out = 0, changed_words = 0, added_words = 0, added_blocks = 0, header_lines = 0;
+  std::uint64_t taken_up = 0;  ///< arcs whose block became the straight move that takes up lost motion before them
   std::array<double, 3> max_change{};            ///< of X Y Z words in absolute blocks, program units
   std::array<std::uint64_t, 3> max_line{};
   Diagnostics diagnostics;

@@ -57,10 +57,32 @@ std::string random_machine(Random& random, double scale) {
   return text;
 }
 
+/// Lost motion of every axis in its own direction and across it, as a constant and growing with the position.
+std::string random_lost_motion(Random& random) {
+  const bool table = random.chance(0.5);
+  std::string text = fmt::format("format = 1\n[machine]\nname = \"play\"\nchain = \"{}\"\n", table ? "w X b Y Z t" : "w b X Y Z t");
+  for (const char axis : {'X', 'Y', 'Z'}) text += fmt::format("[axis.{}]\nrange = [-600, 600]\n", axis);
+  if (table) text.insert(text.find("[axis.Y]"), "errors_seen = \"body\"\n");
+  text += "[errors]\n";
+  const auto both = [&](const std::string& name, double lost) {
+    const double mean = random.between(-10, 10), slope = random.between(-0.02, 0.02);
+    text += fmt::format("{} = {{ forward = {{ poly = [{:.4f}, {:.5f}] }}, backward = {{ poly = [{:.4f}, {:.5f}] }} }}\n", name, mean + lost / 2, slope,
+                        mean - lost / 2, slope * random.between(0.9, 1.1));
+  };
+  for (const char axis : {'X', 'Y', 'Z'}) {
+    if (random.chance(0.8)) both(fmt::format("E{0}{0}", axis), random.between(-12, 12));
+    if (random.chance(0.3)) both(fmt::format("E{}{}", axis == 'X' ? 'Y' : 'X', axis), random.between(-2, 2));
+  }
+  text += fmt::format("EC0Y = {:.6g}\n", random.between(-40, 40));
+  return text;
+}
+
 /// A program that LinuxCNC accepts: it knows where it stands.
 class ProgramWriter {
  public:
-  explicit ProgramWriter(Random& random) : random_(random) {}
+  /// A rotated work offset wants arcs in XY only, lost motion no inverse time.
+  explicit ProgramWriter(Random& random, bool xy_only = false, bool inverse_time = true)
+      : random_(random), xy_only_(xy_only), inverse_time_(inverse_time) {}
 
   std::string write(int blocks) {
     text_ = "%\nO7 (random)\nG21 G90 G17 G54 G94\nT1 M6\nG0 X0 Y0 Z20\nF500 S1000 M3\n";
@@ -97,7 +119,7 @@ class ProgramWriter {
       case 6: case 7: case 8: arc(); break;
       case 9: cycle(); break;
       case 10: text_ += fmt::format("G92 X{:.3f}\nG92.1\n", random_.between(-5, 5)); break;
-      case 11: text_ += fmt::format("G93 G1 {} F{:.2f}\nG94 F400\n", word_to(1, 150), random_.between(0.5, 5)); break;
+      case 11: if (inverse_time_) text_ += fmt::format("G93 G1 {} F{:.2f}\nG94 F400\n", word_to(1, 150), random_.between(0.5, 5)); break;
       case 12: text_ += fmt::format("N{} G4 P0.1\n", random_.below(1000)); break;
       default: units(); break;
     }
@@ -119,7 +141,7 @@ class ProgramWriter {
     if (!words.empty()) text_ += fmt::format("{}{}\n", code, words);
   }
   void arc() {
-    const int plane = random_.below(3);
+    const int plane = xy_only_ ? 0 : random_.below(3);
     static constexpr int kAxes[3][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}};
     const int a = kAxes[plane][0], b = kAxes[plane][1], n = kAxes[plane][2];
     const double r = random_.between(2, plane == 0 ? 80 : 20), t0 = random_.between(0, 6.28);
@@ -159,6 +181,7 @@ class ProgramWriter {
   }
 
   Random& random_;
+  bool xy_only_, inverse_time_;
   std::string text_;
   Vec3 at_ = Vec3::Zero();
   bool incremental_ = false;
@@ -177,7 +200,7 @@ std::string slurp(const std::string& path) {
   return text.str();
 }
 
-Case run(const std::string& machine_text, const std::string& program, bool header) {
+Case run(const std::string& machine_text, const std::string& program, bool header, bool reversal = false, double rotation = 0) {
   Case result{machine_text, program, {}, {}};
   const auto machine = read_machine({"machine.toml", machine_text}, std::nullopt, {});
   EXPECT_TRUE(machine.value) << (machine.diagnostics.empty() ? "" : to_text(machine.diagnostics.front()));
@@ -190,7 +213,8 @@ Case run(const std::string& machine_text, const std::string& program, bool heade
   job.output = stem + ".out.ngc";
   job.header = header ? HeaderForm::inline_comments : HeaderForm::none;
   job.version = "test";
-  job.setup.work_offsets[0] = WorkOffset{{30, -20, 15}, 0};
+  job.reversal = reversal;
+  job.setup.work_offsets[0] = WorkOffset{{30, -20, 15}, rotation};
   job.setup.tools[1] = ToolEntry{1, 1, {0, 0, 80}, 80.0, 10, ""};
   result.outcome = compensate_program(std::get<Plan>(plan), job);
   result.output = slurp(job.output);
@@ -230,6 +254,21 @@ TEST(RandomPrograms, AreVerifiedOnRandomMachines) {
     ++done;
   }
   EXPECT_GT(done, 150) << refused << " refused";
+}
+
+TEST(RandomPrograms, LostMotionIsTakenUpEverywhere) {
+  int done = 0;
+  for (std::uint64_t seed = 1; seed <= 200; ++seed) {
+    Random random(seed);
+    const bool rotated = seed % 4 == 0;
+    const std::string machine = random_lost_motion(random);
+    const std::string program = ProgramWriter(random, rotated, false).write(25);
+    const Case result = run(machine, program, false, true, rotated ? 0.3 : 0.0);
+    ASSERT_EQ(result.outcome.end, ProgramEnd::done) << "seed " << seed << "\n" << machine << findings(result.outcome) << program << "\n----\n" << result.output;
+    EXPECT_LE(result.outcome.verify.after.max, result.outcome.verify.allowed) << "seed " << seed;
+    ++done;
+  }
+  EXPECT_EQ(done, 200);
 }
 
 TEST(RandomPrograms, ZeroErrorsChangeNoByte) {

@@ -58,7 +58,6 @@ void write_machine(JsonWriter& json, const Machine& machine) {
   } else {
     json.null();
   }
-  for (const auto& [key, text] : calibration.other) json.member(key, text);
   json.end();
 }
 

@@ -15,7 +15,7 @@ constexpr int kLookAhead = 16;
 /// Half of the last digit the output is written with.
 constexpr double kHalfDigitMm = 0.5e-4;
 constexpr double kHalfDigitInch = 0.5e-5 * 25.4;
-/// Differences of frames that are rounding of double arithmetic.
+/// Differences of frames and ways of axes that are rounding of double arithmetic.
 constexpr double kRounding = 1e-8;  // mm
 
 const char* why_of(std::string_view code) {
@@ -307,10 +307,9 @@ double Comparison::allowed_for(double quantisation) {
 
 void Comparison::follow(const Vec3& direction) {
   if (!job_.reversal) return;
-  const double least = 1e-6 * direction.cwiseAbs().maxCoeff();  // less is rounding
   for (std::size_t i = 0; i < 3; ++i) {
     const double d = direction[static_cast<Eigen::Index>(i)];
-    if (std::abs(d) > least) approach_[i] = d > 0 ? 1 : -1;
+    if (std::abs(d) > kRounding) approach_[i] = d > 0 ? 1 : -1;
   }
 }
 

@@ -57,7 +57,8 @@ class Comparison {
   struct Cover;
   void cover(const Motion& original);
   bool cover_piece(Cover& cover, const Motion& piece);
-  void follow_along(const Cover& cover, const Motion& motion, double t);
+  void follow_along(const Cover& cover, double t);
+  void follow_at(const Cover& cover, double s);
   bool take_up(Cover& cover, const Motion& piece);
   void look_inside(Cover& cover, const Motion& piece, double from, const Vec3& error_from, double to,
                    const Vec3& error_to, const Vec3& tip_to, int depth);

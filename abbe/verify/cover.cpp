@@ -27,8 +27,9 @@ constexpr double kSameCommand = 1e-7;  // mm
 /// Arcs with a radius below this many allowances are followed by their parameter: an angle means nothing.
 constexpr double kSmallArc = 20;
 
-/// A step in the parameter to either side of a point, to see the direction there.
-constexpr double kSlightly = 1e-4;
+/// An axis has turned round when it has moved back by this share of the tolerance: twice what the outputs of
+/// this program are written with, so that a place where it turns belongs to the piece before or after it.
+constexpr double kTurned = 0.2;
 
 constexpr double kTimeTolerance = 1e-3;   // of the whole time in G93
 constexpr double kShareTolerance = 1e-2;  // of a piece's share of it
@@ -61,6 +62,9 @@ struct Comparison::Cover {
   double time = 0;              ///< G93: sum of the pieces' shares, 1 in the end
   double travelled_before = 0;  ///< path before this motion, mm
   Axes moving = 0;              ///< axes that the original moves
+  double turning = 0;           ///< s that an axis needs to turn round on an arc
+  double from = 0,
+         share = 0;  ///< s at the start of the present piece, and how much of the original it covers
 
   [[nodiscard]] double allowed_at(double s) const {
     if (excess <= 0) return allowed;
@@ -84,6 +88,11 @@ void Comparison::cover(const Motion& original) {
                            : std::abs(original.end.at[i] - original.start.at[i]) > kNoMotion;
     if (moves) cover.moving |= Axes{1} << i;
   }
+  if (original.kind ==
+      MotionKind::arc)  // beside its turning point an axis is displaced by r (sweep ds)^2 / 2
+    cover.turning = std::sqrt(2 * kTurned * job_.tolerance /
+                              std::min(original.arc.start_radius, original.arc.end_radius)) /
+                    std::abs(original.arc.sweep);
   cover.travelled_before = travelled_;
   ++report_.feed_motions;
   while (!stop_) {
@@ -113,7 +122,7 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
     disagree("V-EVENT", "one of the blocks can be deleted with '/', the other not");
   const double piece_length = length_of(piece);
   const bool first = cover.pieces++ == 0;
-  if (job_.reversal) follow_along(cover, original, std::clamp(cover.last_s, 0.0, 1.0) + kSlightly);
+  if (job_.reversal) follow_at(cover, std::clamp(cover.last_s, 0.0, 1.0) + cover.turning);
   cover.tip = start_tip(piece.start.at);
   if (first) {
     const Vec3 deviation = cover.tip - cover.path.point(0);
@@ -126,7 +135,11 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   }
   if (job_.reversal) {
     if (take_up(cover, piece)) return false;
-    follow_along(cover, piece, kSlightly);
+    cover.from = std::clamp(cover.last_s, 0.0, 1.0);
+    cover.share = piece.kind == original.kind && piece.kind == MotionKind::arc
+                      ? piece.arc.sweep / original.arc.sweep
+                      : piece_length / std::max(cover.length, kNoMotion);
+    follow_along(cover, 0);
   }
   if (cover.by_parameter && !first) {
     disagree_and_stop("V-PATH", "an arc this small must stay one block");
@@ -158,7 +171,7 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
       tip = tips.b;
       sample_interval(cover, piece, from, error, to, tip - model_.nominal(command), tip, inside, tips.a, 0);
     } else {
-      if (job_.reversal) follow_along(cover, piece, to - kSlightly);
+      if (job_.reversal) follow_along(cover, to);
       tip = model_.actual(command, approach_, &cover.outside);
       if (looks_inside) look_inside(cover, piece, from, error, to, tip - model_.nominal(command), tip, 0);
     }
@@ -215,10 +228,18 @@ Vec3 Comparison::start_tip(const Vec3& command) {
   return model_.actual(command, approach_, nullptr);
 }
 
-/// Approach at t of a motion, for the axes that the original moves: an axis that only follows corrections by
+/// Approach at t of the present piece. Where an axis has only begun to turn round, or has not quite turned,
+/// it is as on the rest of the piece.
+void Comparison::follow_along(const Cover& cover, double t) {
+  const double middle = cover.from + cover.share / 2;
+  const double half = std::max(0.0, std::abs(cover.share) / 2 - cover.turning);
+  follow_at(cover, std::clamp(cover.from + t * cover.share, middle - half, middle + half));
+}
+
+/// Approach at s of the original, for the axes that it moves: an axis that only follows corrections by
 /// fractions of a micrometre does not take up its lost motion.
-void Comparison::follow_along(const Cover& cover, const Motion& motion, double t) {
-  Vec3 direction = derivative_at(motion, t);
+void Comparison::follow_at(const Cover& cover, double s) {
+  Vec3 direction = derivative_at(cover.motion, s);
   for (int i = 0; i < 3; ++i)
     if ((cover.moving >> i & 1) == 0) direction[i] = 0;
   follow(direction);
@@ -233,6 +254,9 @@ bool Comparison::take_up(Cover& cover, const Motion& piece) {
   const Vec3 tip = model_.actual(piece.end.at, approach_, &cover.outside);
   const Vec3 deviation = tip - cover.path.point(s);
   if (!(deviation.norm() <= cover.allowed)) return false;
+  // A motion of few micrometres may be done in one piece: then this is its end.
+  if (cover.length <= 2 * cover.allowed && (tip - cover.path.point(1)).norm() < deviation.norm())
+    return false;
   if (!cover.by_parameter) cover.last_s = cover.path.foot(tip).s;
   cover.furthest = std::max(cover.furthest, cover.last_s);
   cover.tip = tip;
@@ -246,7 +270,7 @@ void Comparison::look_inside(Cover& cover, const Motion& piece, double from, con
                              const Vec3& error_to, const Vec3& tip_to, int depth) {
   const double middle = from + kInner * (to - from);
   const Vec3 command = point_at(piece, middle);
-  if (job_.reversal) follow_along(cover, piece, middle - kSlightly);
+  if (job_.reversal) follow_along(cover, middle);
   const Vec3 tip = model_.actual(command, approach_, &cover.outside);
   sample_interval(cover, piece, from, error_from, to, error_to, tip_to, command, tip, depth);
 }

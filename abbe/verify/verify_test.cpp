@@ -171,6 +171,34 @@ EXX = { forward = { poly = [3] }, backward = { poly = [-3] } }
   EXPECT_TRUE(report.agrees) << texts(report);
 }
 
+TEST(Verify, DirectionalErrorsAreTakenUpOnArcs) {
+  const Plan plan = plan_of(R"(format = 1
+[machine]
+chain = "w b X Y Z t"
+[axis.X]
+[axis.Y]
+[axis.Z]
+[errors]
+EXX = { forward = { poly = [3] }, backward = { poly = [-3] } }
+)");
+  VerifyJob job = ideal_job();
+  job.reversal = true;
+  job.setup.start = {-1.0, 0.0, 0.0};
+  // X goes up to 20 and back
+  const std::string original = "G0 X0\nG3 F10 X10 Y10 I10 J0\n";
+  const std::string right = "G0 X-0.0030\nG3 F10 X19.9970 Y0 I10 J0\nG1 X20.0030\nG3 X10.0030 Y10 I-10 J0\n";
+  EXPECT_TRUE(verify(plan, original, right, job).agrees) << texts(verify(plan, original, right, job));
+  const std::string not_taken_up = "G0 X-0.0030\nG3 F10 X19.9970 Y0 I10 J0\nG3 X9.9970 Y10 I-10 J0\n";
+  EXPECT_EQ(verify(plan, original, not_taken_up, job).diagnostics.front().code, "V-PATH");
+  const std::string wrong_way =
+      "G0 X-0.0030\nG3 F10 X19.9970 Y0 I10 J0\nG1 X19.9910\nG3 X9.9910 Y10 I-10 J0\n";
+  EXPECT_FALSE(verify(plan, original, wrong_way, job).agrees);
+  // too early: where X has not turned yet
+  const std::string early =
+      "G0 X-0.0030\nG3 F10 X17.0681 Y-7.0711 I10 J0\nG1 X17.0741\nG3 X10.0030 Y10 I-7.0711 J7.0711\n";
+  EXPECT_FALSE(verify(plan, original, early, job).agrees);
+}
+
 TEST(Verify, HolesAreDrilledDownwards) {
   const Plan plan = plan_of(R"(format = 1
 [machine]

@@ -1,11 +1,16 @@
 #include "csv.h"
 
+#include <fcntl.h>
 #include <fmt/core.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
+#include <cerrno>
 #include <utility>
 #include <variant>
 
 #include "abbe/core/number.h"
+#include "session.h"
 
 namespace abbe::app {
 namespace {
@@ -14,11 +19,25 @@ constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 bool is_blank(std::string_view text) { return text.find_first_not_of(" \t") == std::string_view::npos; }
 
+/// Puts a pipe in the place of standard input, so that an interrupt ends the wait for it, too. False: it is
+/// none, or cannot be opened.
+bool stand_in_for_standard_input(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0 || !S_ISFIFO(status.st_mode)) return false;
+  int pipe = -1;
+  do pipe = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  while (pipe < 0 && errno == EINTR && !interrupted());
+  if (pipe < 0) return false;
+  const bool stands_in = ::dup2(pipe, STDIN_FILENO) == STDIN_FILENO;
+  ::close(pipe);
+  return stands_in;
+}
+
 }  // namespace
 
 FileResult<CsvReader> CsvReader::open(const std::string& path) {
   std::optional<SpooledInput> spooled;
-  if (path == "-") {
+  if (path == "-" || stand_in_for_standard_input(path)) {
     FileResult<SpooledInput> input = SpooledInput::from_standard_input();
     if (auto* error = std::get_if<FileError>(&input)) return std::move(*error);
     spooled.emplace(std::move(std::get<SpooledInput>(input)));

@@ -151,6 +151,7 @@ Verb diff_verb(CLI::App& program, Session& session) {
               json.member("added_words", report.added_words);
               json.member("added_blocks", report.added_blocks);
               json.member("header_lines", report.header_lines);
+              json.member("taken_up", report.taken_up);
               json.end();
               session.out.write(json.take() + "\n");
               return;
@@ -158,6 +159,7 @@ Verb diff_verb(CLI::App& program, Session& session) {
             if (listed > 0) session.out.write("    line   output      before           after           change (program units)\n" + changes);
             if (report.changed_words + report.added_words > listed) session.out.write(fmt::format("  ... {} more (--most 0 lists all)\n", report.changed_words + report.added_words - listed));
             session.out.write(fmt::format("{} words changed, {} added, {} blocks added, {} header lines\n", report.changed_words, report.added_words, report.added_blocks, report.header_lines));
+            if (report.taken_up > 0) session.out.write(fmt::format("{} arcs begin with a straight move (G1) that takes up lost motion\n", report.taken_up));
             session.out.write(report.same_program ? "apart from these numbers the program is the same, byte for byte\n" : "the programs differ in more than numbers\n");
           }};
 }

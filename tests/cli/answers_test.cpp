@@ -3,9 +3,12 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cmath>
+#include <fstream>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "machines.h"
 #include "run_program.h"
@@ -71,6 +74,16 @@ TEST_F(Answers, PointsComeBackInOrderWithTheirSensors) {
   expect_vector(read["points"][1]["deviation"]["position_mm"], 0.020, 0.005, 0.006, kPicometre);
   expect_vector(read["points"][2]["deviation"]["position_mm"], 0.030, 0.005, 0.006, kPicometre);
   EXPECT_TRUE(read["complete"]);
+}
+
+TEST_F(Answers, PointsComeThroughAPipe) {
+  const std::string pipe = folder_ / "points";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::thread writer([&] { std::ofstream(pipe) << "X,Y,Z\n100,0,0\n200,0,0\n"; });
+  const json read = answer({"predict", three_, "--set", "T1=20", "--points", pipe});
+  writer.join();
+  ASSERT_EQ(read["points"].size(), 2U);
+  expect_vector(read["points"][1]["deviation"]["position_mm"], 0.020, 0.005, 0, kPicometre);
 }
 
 TEST_F(Answers, ApproachIsTakenFromTheOptionAndFromTheColumn) {

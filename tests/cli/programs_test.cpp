@@ -1,12 +1,18 @@
 // The verbs that read programs, end to end: exit codes, files that appear or not, the report.
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <thread>
 
 #include "machines.h"
 #include "run_program.h"
@@ -107,6 +113,40 @@ TEST_F(Programs, OptionsAreChecked) {
                 .exit,
             3);
   EXPECT_EQ(content(program_), kProgram);
+}
+
+TEST_F(Programs, InterruptLeavesNothingBehind) {
+  std::string text = "G54\nG0 X0 Y0 Z0\nF500\n";
+  for (int i = 0; i < 400000; ++i) text += fmt::format("G1 X{}.{:03} Y{}\n", i % 150, i % 1000, i % 90);
+  const std::string program = folder_.put("long.ngc", text + "M2\n");
+  const auto entries = [&] { return std::distance(std::filesystem::directory_iterator(folder_.path()), {}); };
+  const auto before = entries();
+  int printed[2];
+  ASSERT_EQ(::pipe(printed), 0);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::dup2(printed[1], STDOUT_FILENO);
+    ::execl(ABBE_PROGRAM, "abbe", "compensate", machine_.c_str(), program.c_str(), "-o", out_.c_str(),
+            "--json", "--set", "T1=20", "--offset", "G54=X0,Y0,Z-100", nullptr);
+    ::_exit(127);
+  }
+  ::close(printed[1]);
+  // The output begins to grow beside its final place: now it is being rewritten.
+  for (int k = 0; k < 2000 && entries() == before; ++k)
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  EXPECT_GT(entries(), before);
+  ASSERT_EQ(::kill(child, SIGINT), 0);
+  std::string answer(4096, '\0');
+  const ssize_t length = ::read(printed[0], answer.data(), answer.size());
+  ::close(printed[0]);
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_EQ(entries(), before);
+  ASSERT_GT(length, 0);
+  answer.resize(static_cast<std::size_t>(length));
+  EXPECT_EQ(json::parse(answer, nullptr, false)["result"], "stopped") << answer;
 }
 
 TEST_F(Programs, CheckWritesNothing) {
