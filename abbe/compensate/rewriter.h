@@ -77,7 +77,7 @@ class Rewriter {
   std::optional<Vec3> correction_at(const Vec3& m, unsigned withheld, const std::array<signed char, 3>& approach);
   bool feed_allowed(const Move& move);
   void note_correction(const Vec3& m, const Vec3& c);
-  /// A number for a word: what stands there if that is right to half its last digit, else a rounded one.
+  /// A number for a word: what stands there if that is right to half its last digit, else one to be rounded.
   struct Value {
     double number = 0;     ///< program units
     bool written = false;  ///< differs from what is in force
@@ -85,7 +85,8 @@ class Rewriter {
   [[nodiscard]] Value value_for(double wanted, const Word* word, double present, int decimals) const;
   /// Where axis k stands after commanding it to `want` (mm) from p_out.
   [[nodiscard]] Value axis_value(int k, const Vec3& want, const Vec3& p_out, bool first, double& base) const;
-  void put(char letter, const Word* word, double number, int decimals, bool first, std::string* extra);
+  /// Returns the number as it will be read.
+  double put(char letter, const Word* word, double number, int decimals, bool first, std::string* extra);
   /// Commands program position `want` (output side); the first piece edits the line, others add blocks.
   /// Axes in `skip` (bits) are left alone.
   void command(const Vec3& want, bool first, Vec3& p_out, std::string* extra, unsigned skip = 0);

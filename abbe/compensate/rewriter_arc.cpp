@@ -88,7 +88,8 @@ Vec3 Rewriter::rounded_end(const Vec3& want, const Vec3& p_out, bool first) cons
   for (int k = 0; k < 3; ++k) {
     double base = 0;
     const Value value = axis_value(k, want, p_out, first, base);
-    if (value.written || (first && axis_word(k))) end[k] = base + value.number * modal_.unit();
+    if (value.written) end[k] = base + rounded(value.number, decimals_of(axis_word(k))) * modal_.unit();
+    else if (first && axis_word(k)) end[k] = base + value.number * modal_.unit();
   }
   return end;
 }
@@ -161,7 +162,8 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
   const auto as_written = [&](int k, double centre) {
     double base = 0;
     const Value value = centre_value(k, centre, start, piece.first, base);
-    return base + value.number * modal_.unit();
+    const int decimals = decimals_of(instruction_.find(block_, "IJK"[k]));
+    return base + (value.written ? rounded(value.number, decimals) : value.number) * modal_.unit();
   };
   piece.centre = {as_written(a, fitted.a), as_written(b, fitted.b)};
   return holds(piece.centre);
@@ -249,9 +251,9 @@ void Rewriter::take_up_on_arc(const Vec3& want, bool first, Vec3& p_out, std::st
     if (std::string_view("IJKRP").find(word.letter) != std::string_view::npos) edit_.remove(word);
   }
   if (code) {
-    edit_.replace(*code, "1");
+    edit_.replace(*code) = "1";
   } else {
-    edit_.add('G', "1");
+    edit_.add('G') += "1";
   }
   command(want, true, p_out, nullptr);
 }

@@ -152,8 +152,7 @@ double Rewriter::write_holes(const Holes& holes, const Vec3& shift, std::string&
   command(holes.first + shift, true, p_out, nullptr, 1u << holes.n);
   const auto depth_word = [&](const Word* word, char letter, double wanted, double present) {
     const Value value = value_for(wanted, word, present, decimals_of(word));
-    if (value.written) put(letter, word, value.number, decimals_of(word), true, nullptr);
-    return value.number;
+    return value.written ? put(letter, word, value.number, decimals_of(word), true, nullptr) : value.number;
   };
   // R, then the bottom measured from R where increments are programmed
   const double r_base = modal_.incremental ? out_.cycle_level : 0.0;

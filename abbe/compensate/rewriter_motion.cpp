@@ -239,7 +239,7 @@ void Rewriter::stops_to_last(bool first, std::string* extra) {
 Rewriter::Value Rewriter::value_for(double wanted, const Word* word, double present, int decimals) const {
   const double stands = word ? word->value : present;
   if (std::abs(wanted - stands) <= half_digit(decimals)) return {stands, false};
-  return {rounded(wanted, decimals), true};
+  return {wanted, true};
 }
 
 Rewriter::Value Rewriter::axis_value(int k, const Vec3& want, const Vec3& p_out, bool first, double& base) const {
@@ -252,12 +252,12 @@ Rewriter::Value Rewriter::axis_value(int k, const Vec3& want, const Vec3& p_out,
   return value_for((want[k] - base) / modal_.unit(), word, present, decimals_of(named));
 }
 
-void Rewriter::put(char letter, const Word* word, double number, int decimals, bool first, std::string* extra) {
+double Rewriter::put(char letter, const Word* word, double number, int decimals, bool first, std::string* extra) {
   if (!word && !first) {
     *extra += ' ';
     *extra += letter;
   }
-  append_fixed(word ? edit_.replace(*word) : first ? edit_.add(letter) : *extra, number, decimals);
+  return append_fixed(word ? edit_.replace(*word) : first ? edit_.add(letter) : *extra, number, decimals);
 }
 
 void Rewriter::command(const Vec3& want, bool first, Vec3& p_out, std::string* extra, unsigned skip) {
@@ -266,8 +266,8 @@ void Rewriter::command(const Vec3& want, bool first, Vec3& p_out, std::string* e
     double base = 0;
     const Word* named = axis_word(k);
     const Word* word = first ? named : nullptr;
-    const Value value = axis_value(k, want, p_out, first, base);
-    if (value.written) put("XYZ"[k], word, value.number, decimals_of(named), first, extra);
+    Value value = axis_value(k, want, p_out, first, base);
+    if (value.written) value.number = put("XYZ"[k], word, value.number, decimals_of(named), first, extra);
     if (value.written || word) p_out[k] = base + value.number * modal_.unit();
   }
 }

@@ -19,7 +19,7 @@
 namespace abbe {
 namespace {
 
-constexpr std::size_t kBuffer = std::size_t{1} << 20;
+constexpr std::size_t kBuffer = std::size_t{1} << 18;
 constexpr int kAttempts = 100;  // at a name for a temporary file that nobody uses yet
 
 // A file descriptor that is closed with this object.

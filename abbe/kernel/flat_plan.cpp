@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "abbe/chain/plan_impl.h"
@@ -51,7 +52,7 @@ static_assert(static_cast<int>(Part::along) == 1 && static_cast<int>(Part::acros
 struct FlatPlan::Data {
   std::vector<FlatOp> nominal, actual, first_order;
   std::vector<FlatGroup> groups;
-  std::vector<AxisTable> tables;
+  std::vector<FlatTable> tables;
   std::vector<Wave> waves;
   std::vector<double> knots;
   std::vector<Row> rows;
@@ -75,17 +76,6 @@ std::shared_ptr<const FlatPlan> FlatPlan::make(const Plan& plan) {
   flatten(impl.nominal, data.nominal);
   flatten(impl.actual, data.actual);
   flatten(impl.first_order, data.first_order);
-  for (const Group& group : impl.groups) {
-    FlatGroup& flat_group = data.groups.emplace_back();
-    std::copy(group.constant.begin(), group.constant.end(), flat_group.constant);
-    for (int k = 0; k < 3; ++k) flat_group.lever[k] = group.lever[k];
-    flat_group.has_lever = group.has_lever;
-    flat_group.is_rotary = group.is_rotary;
-    flat_group.rotates = group.rotates;
-    flat_group.first_table = group.first_table;
-    flat_group.table_count = group.table_count;
-  }
-  data.tables = impl.tables;
   data.waves = impl.waves;
   data.knots = impl.knots;
   data.buckets = impl.buckets;
@@ -93,7 +83,37 @@ std::shared_ptr<const FlatPlan> FlatPlan::make(const Plan& plan) {
   data.rows.resize(impl.coefficients.size() / kComponents);
   for (std::size_t i = 0; i < data.rows.size(); ++i)
     std::copy_n(impl.coefficients.data() + i * kComponents, kComponents, data.rows[i].value);
-  for (AxisTable& table : data.tables) table.data /= kComponents;
+  for (const AxisTable& table : impl.tables) {
+    FlatTable& to = data.tables.emplace_back();
+    to.knots = data.knots.data() + table.knots;
+    to.rows = data.rows[table.data / kComponents].value;
+    to.buckets = data.buckets.data() + table.first_bucket;
+    to.waves = data.waves.data() + table.first_wave;
+    to.bucket_lo = table.bucket_lo;
+    to.buckets_per_unit = table.buckets_per_unit;
+    to.most_bucket = static_cast<double>(table.bucket_count - 1);
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    to.lo = table.bounded ? table.lo : -infinity;
+    to.hi = table.bounded ? table.hi : infinity;
+    to.waves_lo = table.wave_count > 0 ? table.waves_lo : -infinity;
+    to.waves_hi = table.wave_count > 0 ? table.waves_hi : infinity;
+    to.period = table.period;
+    to.period_lo = table.period_lo;
+    to.row_count = table.rows;
+    to.segments = table.segments;
+    to.wave_count = table.wave_count;
+    to.axis = table.axis;
+  }
+  for (const Group& group : impl.groups) {
+    FlatGroup& to = data.groups.emplace_back();
+    std::copy(group.constant.begin(), group.constant.end(), to.constant);
+    for (int k = 0; k < 3; ++k) to.lever[k] = group.lever[k];
+    to.has_lever = group.has_lever;
+    to.is_rotary = group.is_rotary;
+    to.rotates = group.rotates;
+    to.tables = data.tables.data() + group.first_table;
+    to.table_count = group.table_count;
+  }
 
   FlatView& view = out->view_;
   view.nominal = data.nominal.data();
@@ -103,11 +123,6 @@ std::shared_ptr<const FlatPlan> FlatPlan::make(const Plan& plan) {
   view.actual_count = static_cast<std::uint32_t>(data.actual.size());
   view.first_order_count = static_cast<std::uint32_t>(data.first_order.size());
   view.groups = data.groups.data();
-  view.tables = data.tables.data();
-  view.waves = data.waves.data();
-  view.knots = data.knots.data();
-  view.rows = data.rows.empty() ? nullptr : data.rows.front().value;
-  view.buckets = data.buckets.data();
   view.axis_count = impl.axis_count;
   view.rotary = impl.rotary;
   return out;

@@ -30,11 +30,26 @@ struct FlatOp {
   double a[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< affine: rows
 };
 
+/// abbe::AxisTable with its numbers at hand.
+struct FlatTable {
+  const double* knots = nullptr;  ///< `segments` origins
+  const double* rows = nullptr;   ///< kRow doubles each, 64-byte aligned
+  const std::uint32_t* buckets = nullptr;
+  const Wave* waves = nullptr;
+  double bucket_lo = 0, buckets_per_unit = 0, most_bucket = 0;
+  double lo = 0, hi = 0;  ///< infinite if nothing is held
+  double waves_lo = 0, waves_hi = 0;
+  double period = 0, period_lo = 0;
+  std::uint32_t row_count = 1, segments = 1, wave_count = 0;
+  int axis = 0;
+};
+
 struct FlatGroup {
   alignas(64) double constant[kRow] = {};
   double lever[3] = {0, 0, 0};
   bool has_lever = false, is_rotary = false, rotates = false;
-  std::uint32_t first_table = 0, table_count = 0;
+  const FlatTable* tables = nullptr;
+  std::uint32_t table_count = 0;
 };
 
 /// A compiled machine as pointers: what abbe::Plan holds, laid out for kernels. Owned by FlatPlan.
@@ -42,11 +57,6 @@ struct FlatView {
   const FlatOp *nominal = nullptr, *actual = nullptr, *first_order = nullptr;
   std::uint32_t nominal_count = 0, actual_count = 0, first_order_count = 0;
   const FlatGroup* groups = nullptr;
-  const AxisTable* tables = nullptr;
-  const Wave* waves = nullptr;
-  const double* knots = nullptr;
-  const double* rows = nullptr;  ///< 64-byte aligned; AxisTable::data counts rows here
-  const std::uint32_t* buckets = nullptr;
   int axis_count = 0;
   std::uint32_t rotary = 0;  ///< bit i: moving axis i is rotary
 };

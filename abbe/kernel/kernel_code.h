@@ -48,13 +48,12 @@ struct State {
   unsigned outside = 0;
 };
 
-inline std::uint32_t segment_of(const FlatView& plan, const AxisTable& table, double x) {
+inline std::uint32_t segment_of(const FlatTable& table, double x) {
   const double place = (x - table.bucket_lo) * table.buckets_per_unit;
-  const std::uint32_t most = table.bucket_count - 1;
-  const std::uint32_t bucket = place > 0 ? (place < most ? static_cast<std::uint32_t>(place) : most) : 0;
-  std::uint32_t i = plan.buckets[table.first_bucket + bucket];
-  const double* const knots = plan.knots + table.knots;
-  while (i + 1 < table.segments && knots[i + 1] <= x) ++i;
+  // No number is below the first bucket.
+  const double bucket = place > 0 ? (place < table.most_bucket ? place : table.most_bucket) : 0.0;
+  std::uint32_t i = table.buckets[static_cast<std::int64_t>(bucket)];
+  while (i + 1 < table.segments && table.knots[i + 1] <= x) ++i;
   return i;
 }
 
@@ -78,58 +77,57 @@ inline void horner(const double* row, std::uint32_t rows, double x, double* six)
   for (std::size_t k = 0; k < kNatives; ++k) __builtin_memcpy(six + k * kNativeLanes, &r[k], sizeof(Native));
 }
 
-/// six += the functions of a table.
+inline const double* rows_of(const FlatTable& table, std::uint32_t segment) {
+  return table.rows + static_cast<std::size_t>(segment) * table.row_count * kRow;
+}
+
+/// six = the functions of a table.
 template <class V>
-void add_table(const FlatView& plan, const AxisTable& table, State<V>& state, V* six, bool first) {
+inline void read_table(const FlatTable& table, State<V>& state, V* six) {
   const V q = state.q[table.axis];
-  V x = q;
-  if (table.bounded) state.outside |= lanes_outside(q, table.lo, table.hi);
-  if (table.period > 0) x = wrapped(x, table.period_lo, table.period);
-  const double* const rows = plan.rows + static_cast<std::size_t>(table.data) * kRow;
-  const double* const knots = plan.knots + table.knots;
-  const std::uint32_t i = segment_of(plan, table, lane(x, 0));
-  bool same = false;  // two lanes are sooner done one after the other
-  if constexpr (lanes_of<V> > 2) {
-    const double lo = i > 0 ? knots[i] : -__builtin_inf();
-    const double hi = i + 1 < table.segments ? knots[i + 1] : __builtin_inf();
-    same = lanes_outside(x, lo, hi) == 0;
-  }
-  if constexpr (lanes_of<V> == 1) {
-    alignas(64) double values[kRow];
-    horner(rows + static_cast<std::size_t>(i) * table.rows * kRow, table.rows, x - knots[i], values);
-    for (int k = 0; k < kComponents; ++k) six[k] = first ? values[k] : six[k] + values[k];
-  } else if (same) {
-    // All poses in one segment: its coefficients for everyone.
-    const double* row = rows + static_cast<std::size_t>(i) * table.rows * kRow;
-    const V t = x - knots[i];
-    V r[kComponents];
-    for (int k = 0; k < kComponents; ++k) r[k] = all<V>(row[k]);
-    for (std::uint32_t power = 1; power < table.rows; ++power) {
-      row += kRow;
-      for (int k = 0; k < kComponents; ++k) r[k] = r[k] * t + row[k];
-    }
-    for (int k = 0; k < kComponents; ++k) six[k] = first ? r[k] : six[k] + r[k];
-  } else {
+  state.outside |= lanes_outside(q, table.lo, table.hi);
+  const V x = table.period > 0 ? wrapped(q, table.period_lo, table.period) : q;
+  if constexpr (lanes_of<V> <= 2) {
+    // One or two poses are done one after the other.
     alignas(64) double values[lanes_of<V>][kRow];
     for (int p = 0; p < lanes_of<V>; ++p) {
       const double at = lane(x, p);
-      const std::uint32_t s = segment_of(plan, table, at);
-      horner(rows + static_cast<std::size_t>(s) * table.rows * kRow, table.rows, at - knots[s], values[p]);
+      const std::uint32_t i = segment_of(table, at);
+      horner(rows_of(table, i), table.row_count, at - table.knots[i], values[p]);
     }
-    for (int k = 0; k < kComponents; ++k) {
-      V r{};
-      for (int p = 0; p < lanes_of<V>; ++p) set_lane(r, p, values[p][k]);
-      six[k] = first ? r : six[k] + r;
+    for (int k = 0; k < kComponents; ++k)
+      for (int p = 0; p < lanes_of<V>; ++p) set_lane(six[k], p, values[p][k]);
+  } else {
+    const std::uint32_t i = segment_of(table, lane(x, 0));
+    const double lo = i > 0 ? table.knots[i] : -__builtin_inf();
+    const double hi = i + 1 < table.segments ? table.knots[i + 1] : __builtin_inf();
+    if (lanes_outside(x, lo, hi) == 0) {
+      // All poses in one segment: its coefficients for everyone.
+      const double* row = rows_of(table, i);
+      const V t = x - table.knots[i];
+      for (int k = 0; k < kComponents; ++k) six[k] = all<V>(row[k]);
+      for (std::uint32_t power = 1; power < table.row_count; ++power) {
+        row += kRow;
+        for (int k = 0; k < kComponents; ++k) six[k] = six[k] * t + row[k];
+      }
+    } else {
+      alignas(64) double values[lanes_of<V>][kRow];
+      for (int p = 0; p < lanes_of<V>; ++p) {
+        const double at = lane(x, p);
+        const std::uint32_t s = segment_of(table, at);
+        horner(rows_of(table, s), table.row_count, at - table.knots[s], values[p]);
+      }
+      for (int k = 0; k < kComponents; ++k)
+        for (int p = 0; p < lanes_of<V>; ++p) set_lane(six[k], p, values[p][k]);
     }
   }
-  if (table.wave_count > 0 && lanes_outside(q, table.waves_lo, table.waves_hi) != 0) {
-    for (int p = 0; p < lanes_of<V>; ++p) {
-      const double at = lane(q, p);
-      if (at >= table.waves_lo && at <= table.waves_hi) continue;
-      for (std::uint32_t w = 0; w < table.wave_count; ++w) {
-        const Wave& wave = plan.waves[table.first_wave + w];
-        set_lane(six[wave.component], p, lane(six[wave.component], p) + sine_of_wave(wave, at));
-      }
+  if (lanes_outside(q, table.waves_lo, table.waves_hi) == 0) return;
+  for (int p = 0; p < lanes_of<V>; ++p) {
+    const double at = lane(q, p);
+    if (at >= table.waves_lo && at <= table.waves_hi) continue;
+    for (std::uint32_t w = 0; w < table.wave_count; ++w) {
+      const Wave& wave = table.waves[w];
+      set_lane(six[wave.component], p, lane(six[wave.component], p) + sine_of_wave(wave, at));
     }
   }
 }
@@ -142,8 +140,12 @@ void evaluate(const FlatView& plan, const FlatOp& op, State<V>& state, Triple<V>
   if (group.table_count == 0) {
     for (int k = 0; k < kComponents; ++k) six[k] = all<V>(group.constant[k]);
   } else {
-    for (std::uint32_t b = 0; b < group.table_count; ++b)
-      add_table(plan, plan.tables[group.first_table + b], state, six, b == 0);
+    read_table(group.tables[0], state, six);
+    for (std::uint32_t b = 1; b < group.table_count; ++b) {
+      V more[kComponents];
+      read_table(group.tables[b], state, more);
+      for (int k = 0; k < kComponents; ++k) six[k] = six[k] + more[k];
+    }
   }
   d = {six[0], six[1], six[2]};
   e = {six[3], six[4], six[5]};

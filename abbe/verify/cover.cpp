@@ -126,7 +126,7 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   cover.tip = start_tip(piece.start.at);
   if (first) {
     const Vec3 deviation = cover.tip - cover.path.point(0);
-    cover.excess = std::max(0.0, deviation.norm() - cover.allowed);
+    if (deviation.squaredNorm() > cover.allowed * cover.allowed) cover.excess = deviation.norm() - cover.allowed;
     if (!cover.by_parameter) cover.last_s = cover.path.foot(cover.tip).s;
   }
   if (piece_length < kNoMotion && cover.length >= kNoMotion) {
@@ -205,15 +205,15 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   }
   if (cover.violated()) return complete;  // said once, by conclude()
   const Vec3 meant = complete ? original.end.at : point_at(original, std::clamp(cover.last_s, 0.0, 1.0));
-  const double moved = (piece.end.at - meant).norm();
-  if (!(moved <= job_.max_correction + quantum()))
+  const double reach = job_.max_correction + quantum();
+  if (const Vec3 moved = piece.end.at - meant; !(moved.squaredNorm() <= reach * reach))
     disagree("V-LIMIT",
              fmt::format("the commanded point is {:.1f} um from the original's, {:.1f} um are allowed",
-                         moved / um, job_.max_correction / um));
+                         moved.norm() / um, job_.max_correction / um));
   if (!complete) return false;
 
   const Vec3 deviation = cover.tip - cover.path.point(1);
-  if (!(deviation.norm() <= cover.allowed))
+  if (!(deviation.squaredNorm() <= cover.allowed * cover.allowed))
     disagree("V-END", fmt::format("this motion ends {:.3f} um from its target, {:.3f} um are allowed",
                                   deviation.norm() / um, cover.allowed / um));
   for (int i = 0; i < 3; ++i)
@@ -298,9 +298,8 @@ void Comparison::account(Cover& cover, const Motion& piece, double t, const Vec3
   const double allowed = cover.allowed_at(inside);
   ++report_.points;
 
-  const double distance = foot.across.norm();
-  if (distance > allowed && distance > cover.worst) {
-    cover.worst = distance;
+  if (!(foot.across.squaredNorm() <= allowed * allowed) && !(foot.across.norm() <= cover.worst)) {
+    cover.worst = foot.across.norm();
     cover.worst_allowed = allowed;
     cover.worst_s = inside;
   }
