@@ -229,6 +229,26 @@ TEST(Derive, SmallMachineReadsAsWrittenByHand) {
             (Strings{"EAA", "cos(A)*(EBY + EB0A) + sin(A)*ECY", "ECt + cos(A)*ECY - sin(A)*(EBY + EB0A)"}));
 }
 
+TEST(Derive, ExampleOfTheDocumentationIsPrintedSo) {
+  const Derivation d = derive(machine_of(R"(format = 1
+[machine]
+chain = "w X b Y Z t"
+[axis.X]
+direction = [1, 0, 0]
+errors_seen = "body"
+[errors]
+EXX = 1
+EBX = 1
+ECX = 1
+EXY = 1
+EBY = 1
+EB0Z = 1
+)"));
+  EXPECT_EQ(written(d.deviation, d.names),
+            (Strings{"-EXX + EXY + Y*ECX - Z*(EBX - EBY - EB0Z)", "X*ECX", "-X*EBX"}));
+  EXPECT_EQ(written(d.tool_axis, d.names), (Strings{"-EBX + EBY", "0", "0"}));
+}
+
 TEST(Derive, LatexNamesHaveIndices) {
   const Derivation d = derive(machine_of(kBench));
   EXPECT_EQ(

@@ -44,10 +44,10 @@ def about(direction, angle):
             "z": sympy.Matrix([[c, -s, 0], [s, c, 0], [0, 0, 1]])}[direction]
 
 
-def seed_000():
+def seed_000(length=150):
     """Equations (28) and (31): first order, errors of installation after the rotation as printed."""
     x, y, z, z1, alpha, beta, beta1 = (S(n) for n in "X Y Z Z1 A B B1".split())
-    d1, d2, d3, d4, length = 85, 240, 1500, 600, 150
+    d1, d2, d3, d4 = 85, 240, 1500, 600
     s_xy, s_xz, s_yz = -S("EC0X"), -S("EB0Z"), S("EA0Z")
     s_xz1, s_yz1 = -S("EB0Z1"), S("EA0Z1")
     q = vector(0, -d1, z1 - d2 + length)
