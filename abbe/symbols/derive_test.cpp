@@ -267,6 +267,15 @@ TEST(Derive, LongEquationsAreBrokenBeforeSigns) {
   EXPECT_EQ(write_text_equation("d", Expression(), d.names, 60), "d = 0\n");
 }
 
+TEST(Derive, LatexLinesThatGoOnHaveNoNumber) {
+  const Derivation d = derive(machine_of(kBench));
+  const std::string equation = write_latex_equation("x", d.deviation[0], d.names);
+  EXPECT_EQ(equation,
+            "x &= -E_{XX} + E_{Xt} + 300\\,E_{BY} \\notag \\\\\n"
+            "  &\\quad - 300\\,\\cos(A)\\,(E_{BY} + E_{B0A}) \\notag \\\\\n"
+            "  &\\quad - 300\\,\\sin(A)\\,E_{CY}");
+}
+
 TEST(Derive, InventoryAddsWhatIsNotGiven) {
   const Machine machine = machine_of(kBench);
   const Machine full = with_inventory(machine);

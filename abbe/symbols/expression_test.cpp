@@ -77,7 +77,8 @@ TEST(Expression, ZeroIsEmptyAndNumbersThatAreNotFiniteNeverEnter) {
   Expression e(kX);
   e += e;
   EXPECT_EQ(e, Expression(2) * Expression(kX));
-  e -= e;
+  const Expression& alias = e;
+  e -= alias;
   EXPECT_TRUE(e.is_zero());
 }
 

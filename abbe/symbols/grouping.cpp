@@ -144,7 +144,8 @@ GroupedSum group_terms(const Expression& expression) {
   GroupedSum sum;
   for (auto& [trigonometric, by_errors] : groups) {
     std::vector<Lever> levers;
-    for (auto& [errors, polynomial] : by_errors) {
+    for (auto& [errors, coefficients] : by_errors) {
+      Polynomial& polynomial = coefficients;  // clang 14 captures no structured bindings
       sort_for_print(polynomial);
       const bool negative = polynomial.front().second < 0;
       if (negative) {

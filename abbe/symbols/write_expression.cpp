@@ -92,7 +92,7 @@ class ExpressionWriter {
   }
 
   void write_number(double number) {
-    std::string text = fmt::format("{:.15g}", number);
+    std::string text = fmt::format("{:.12g}", number);
     const std::size_t exponent = text.find('e');
     if (notation_ == Notation::latex && exponent != std::string::npos) {
       const int power = std::stoi(text.substr(exponent + 1));
@@ -174,7 +174,7 @@ std::string write_latex_equation(std::string_view left, const Expression& expres
   const std::string start = fmt::format("{} &= ", left);
   return broken(start, 4, ExpressionWriter(names, Notation::latex).pieces(expression), kLatexWidth,
                 [](std::size_t depth) {
-                  std::string line = " \\\\\n  &\\quad ";
+                  std::string line = " \\notag \\\\\n  &\\quad ";
                   for (std::size_t i = 0; i < depth; ++i) line += "\\quad ";
                   return std::pair(line, 6 + 2 * depth);
                 });

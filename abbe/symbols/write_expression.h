@@ -13,8 +13,8 @@ enum class Notation {
   latex,  ///< E_{XX} + Z\,E_{BX} - 200\,\sin(A)\,(E_{BY} - E_{BZ})
 };
 
-/// The expression in one line, grouped as group_terms() says; "0" if it is zero. Numbers have up to 15
-/// significant digits: enough for every number that a machine file states.
+/// The expression in one line, grouped as group_terms() says; "0" if it is zero. Numbers have up to 12
+/// significant digits: what conversion of units and rounding leave behind them is not printed.
 [[nodiscard]] std::string write_expression(const Expression& expression, const SymbolNames& names,
                                            Notation notation = Notation::text);
 
@@ -23,8 +23,8 @@ enum class Notation {
 [[nodiscard]] std::string write_text_equation(std::string_view left, const Expression& expression,
                                               const SymbolNames& names, std::size_t width);
 
-/// `left &= expression` as lines of an align environment, broken in the same way with \\; without the
-/// \\ that ends an equation.
+/// `left &= expression` as lines of an align environment, broken in the same way with \\, numbered
+/// once; without the \\ that ends an equation.
 [[nodiscard]] std::string write_latex_equation(std::string_view left, const Expression& expression,
                                                const SymbolNames& names);
 
