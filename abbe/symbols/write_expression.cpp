@@ -10,6 +10,8 @@
 namespace abbe {
 namespace {
 
+constexpr int kAllDigits = 15;       // of a double that was read as a decimal number
+constexpr int kReadableDigits = 12;  // what conversion of units and rounding leave behind them is not printed
 constexpr std::size_t kLatexWidth = 66;    // columns of text that fit a line of a printed page
 constexpr std::size_t kShortBracket = 30;  // columns: no line is broken inside
 
@@ -23,7 +25,8 @@ struct Piece {
 
 class ExpressionWriter {
  public:
-  ExpressionWriter(const SymbolNames& names, Notation notation) : names_(names), notation_(notation) {}
+  ExpressionWriter(const SymbolNames& names, Notation notation, int digits)
+      : names_(names), notation_(notation), digits_(digits) {}
 
   [[nodiscard]] std::vector<Piece> pieces(const Expression& expression) {
     const GroupedSum sum = group_terms(expression);
@@ -92,7 +95,7 @@ class ExpressionWriter {
   }
 
   void write_number(double number) {
-    std::string text = fmt::format("{:.12g}", number);
+    std::string text = fmt::format("{:.{}g}", number, digits_);
     const std::size_t exponent = text.find('e');
     if (notation_ == Notation::latex && exponent != std::string::npos) {
       const int power = std::stoi(text.substr(exponent + 1));
@@ -125,6 +128,7 @@ class ExpressionWriter {
 
   const SymbolNames& names_;
   Notation notation_;
+  int digits_;
   std::vector<Piece> pieces_;
 };
 
@@ -154,14 +158,16 @@ std::string broken(std::string text, std::size_t column, const std::vector<Piece
 
 std::string write_expression(const Expression& expression, const SymbolNames& names, Notation notation) {
   std::string text;
-  for (const Piece& piece : ExpressionWriter(names, notation).pieces(expression)) text += piece.text;
+  for (const Piece& piece : ExpressionWriter(names, notation, kAllDigits).pieces(expression))
+    text += piece.text;
   return text;
 }
 
 std::string write_text_equation(std::string_view left, const Expression& expression, const SymbolNames& names,
                                 std::size_t width) {
   const std::string start = fmt::format("{} = ", left);
-  return broken(start, start.size(), ExpressionWriter(names, Notation::text).pieces(expression), width,
+  return broken(start, start.size(),
+                ExpressionWriter(names, Notation::text, kReadableDigits).pieces(expression), width,
                 [&](std::size_t depth) {
                   const std::size_t indent = start.size() + 2 * depth;
                   return std::pair("\n" + std::string(indent, ' '), indent);
@@ -172,8 +178,8 @@ std::string write_text_equation(std::string_view left, const Expression& express
 std::string write_latex_equation(std::string_view left, const Expression& expression,
                                  const SymbolNames& names) {
   const std::string start = fmt::format("{} &= ", left);
-  return broken(start, 4, ExpressionWriter(names, Notation::latex).pieces(expression), kLatexWidth,
-                [](std::size_t depth) {
+  return broken(start, 4, ExpressionWriter(names, Notation::latex, kReadableDigits).pieces(expression),
+                kLatexWidth, [](std::size_t depth) {
                   std::string line = " \\notag \\\\\n  &\\quad ";
                   for (std::size_t i = 0; i < depth; ++i) line += "\\quad ";
                   return std::pair(line, 6 + 2 * depth);

@@ -26,7 +26,8 @@ def values(machine):
 
 
 def numbers(machine, *expressions):
-    return [float(sympy.N(sympy.sympify(e).subs(values(machine)))) for e in expressions]
+    known = values(machine)
+    return [float(n) for n in sympy.lambdify(list(known), expressions, "math")(*map(float, known.values()))]
 
 
 def um(*components):
