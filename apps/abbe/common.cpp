@@ -114,10 +114,17 @@ Parsed<Machine> load_machine(const CommonArguments& arguments, Session& session)
 
 }  // namespace
 
-void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& session) {
+void add_machine_options(CLI::App& verb, CommonArguments& arguments, Session& session) {
   verb.add_option("MACHINE", arguments.machine, "machine file (TOML); - is standard input")->required();
   verb.add_option("--errors", arguments.errors, "errors file in place of the [errors] of the machine file")
       ->type_name("FILE");
+  verb.add_flag("--strict", session.strict, "warnings and failed limits end with exit code 4");
+  verb.add_flag("--json", arguments.json,
+                "JSON on standard output: mm, degrees for axis positions, rad for rotations");
+}
+
+void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& session) {
+  add_machine_options(verb, arguments, session);
   verb.add_option("--set", arguments.set, "values of sensors and of t: T1=23.4,t=0")
       ->type_name("NAME=VALUE,..")
       ->allow_extra_args(false);
@@ -135,9 +142,6 @@ void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& ses
                   "accepted tilt of the tool axis: reports pass or fail")
       ->check(CLI::NonNegativeNumber)
       ->type_name("DEG");
-  verb.add_flag("--strict", session.strict, "warnings and failed limits end with exit code 4");
-  verb.add_flag("--json", arguments.json,
-                "JSON on standard output: mm, degrees for axis positions, rad for rotations");
 }
 
 std::vector<std::string> split_list(std::string_view text) {

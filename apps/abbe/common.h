@@ -26,6 +26,8 @@ struct CommonArguments {
   bool json = false;
 };
 
+/// Those that name the machine, and how to answer.
+void add_machine_options(CLI::App& verb, CommonArguments& arguments, Session& session);
 void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& session);
 
 /// `--at`, `--set`, `--gauge` and their like: "A=1,B=2" of one or several options, in order.

@@ -3,11 +3,12 @@ cmake_minimum_required(VERSION 3.25)
 #   cmake -DROOT=<repository> -P layers.cmake
 # A stage is a folder of abbe/. Entries are stages, or single headers of a stage.
 
-set(stages core errors machine chain kernel program compensate verify report pipeline)
+set(stages core errors machine chain kernel symbols program compensate verify report pipeline)
 set(core_may)
 set(errors_may core)
 set(machine_may core errors)
 set(chain_may core errors machine)
+set(symbols_may core errors machine chain)
 set(program_may core machine/control_setup.h)
 set(kernel_may core errors machine chain)
 set(compensate_may core errors machine chain kernel program)
