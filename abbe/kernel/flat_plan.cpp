@@ -50,7 +50,7 @@ static_assert(static_cast<int>(Part::along) == 1 && static_cast<int>(Part::acros
 }  // namespace
 
 struct FlatPlan::Data {
-  std::vector<FlatOp> nominal, actual, first_order;
+  std::vector<FlatOp> actual, first_order;
   std::vector<FlatGroup> groups;
   std::vector<FlatTable> tables;
   std::vector<Wave> waves;
@@ -73,7 +73,6 @@ std::shared_ptr<const FlatPlan> FlatPlan::make(const Plan& plan) {
   const auto flatten = [&](const std::vector<Op>& from, std::vector<FlatOp>& to) {
     for (const Op& op : from) to.push_back(flat(impl, op));
   };
-  flatten(impl.nominal, data.nominal);
   flatten(impl.actual, data.actual);
   flatten(impl.first_order, data.first_order);
   data.waves = impl.waves;
@@ -116,10 +115,8 @@ std::shared_ptr<const FlatPlan> FlatPlan::make(const Plan& plan) {
   }
 
   FlatView& view = out->view_;
-  view.nominal = data.nominal.data();
   view.actual = data.actual.data();
   view.first_order = data.first_order.data();
-  view.nominal_count = static_cast<std::uint32_t>(data.nominal.size());
   view.actual_count = static_cast<std::uint32_t>(data.actual.size());
   view.first_order_count = static_cast<std::uint32_t>(data.first_order.size());
   view.groups = data.groups.data();

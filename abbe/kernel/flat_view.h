@@ -54,8 +54,8 @@ struct FlatGroup {
 
 /// A compiled machine as pointers: what abbe::Plan holds, laid out for kernels. Owned by FlatPlan.
 struct FlatView {
-  const FlatOp *nominal = nullptr, *actual = nullptr, *first_order = nullptr;
-  std::uint32_t nominal_count = 0, actual_count = 0, first_order_count = 0;
+  const FlatOp *actual = nullptr, *first_order = nullptr;
+  std::uint32_t actual_count = 0, first_order_count = 0;
   const FlatGroup* groups = nullptr;
   int axis_count = 0;
   std::uint32_t rotary = 0;  ///< bit i: moving axis i is rotary

@@ -24,6 +24,14 @@ namespace {
 
 }  // namespace
 
+bool corrects(const FlatView& view, std::uint32_t free) {
+  int linear = 0, rotary = 0;
+  for (int i = 0; i < view.axis_count; ++i) {
+    if ((free >> i & 1) != 0) ++((view.rotary >> i & 1) != 0 ? rotary : linear);
+  }
+  return linear == 3 && rotary <= 2;
+}
+
 const Kernel* named(std::string_view name) {
   if (name == "baseline") return &baseline_kernel();
 #if defined(__x86_64__)

@@ -14,6 +14,7 @@ struct Setting {
   double shift[3] = {0, 0, 0};  ///< the tip shall reach nominal + shift, workpiece axes, mm
   std::uint32_t free = 0;       ///< axes that correct_poses may move
   int exact_steps = 1;          ///< 0: first order only
+  double max_rotary = 8.726646259971648e-03;  ///< larger rotary corrections are unusual; 0.5 deg
 };
 
 /// How a lane ended.
@@ -31,11 +32,15 @@ struct Kernel {
   /// Actual tips of `count` poses: tip[0..2][i], mm. lanes[i] |= outside.
   void (*tips)(const FlatView&, const Setting&, const double* const* q, std::size_t count,
                double* const* tip, unsigned char* lanes) = nullptr;
-  /// Corrected commands of `count` poses: a first-order step, then Setting::exact_steps Newton steps on the
-  /// exact model. last[i]: length of the last step, mm (rotary steps count 300 mm per rad).
+  /// Corrected commands of `count` poses (all axes): a first-order step, then Setting::exact_steps Newton steps
+  /// on the exact model. last[i]: length of the last step, mm (rotary steps count 300 mm per rad). An unusual
+  /// lane's commands mean nothing. Needs corrects(view, free).
   void (*correct_poses)(const FlatView&, const Setting&, const double* const* q, std::size_t count,
                         double* const* corrected, double* last, unsigned char* lanes) = nullptr;
 };
+
+/// Three linear axes and up to two rotary ones are free: what correct_poses can do.
+[[nodiscard]] bool corrects(const FlatView& view, std::uint32_t free);
 
 /// The best kernel for this processor.
 [[nodiscard]] const Kernel& best();

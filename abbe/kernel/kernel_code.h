@@ -83,7 +83,7 @@ inline const double* rows_of(const FlatTable& table, std::uint32_t segment) {
 
 /// six = the functions of a table.
 template <class V>
-inline void read_table(const FlatTable& table, State<V>& state, V* six) {
+[[gnu::always_inline]] inline void read_table(const FlatTable& table, State<V>& state, V* six) {
   const V q = state.q[table.axis];
   state.outside |= lanes_outside(q, table.lo, table.hi);
   const V x = table.period > 0 ? wrapped(q, table.period_lo, table.period) : q;
@@ -134,7 +134,7 @@ inline void read_table(const FlatTable& table, State<V>& state, V* six) {
 
 /// Displacement d and rotation e of an error factor.
 template <class V>
-void evaluate(const FlatView& plan, const FlatOp& op, State<V>& state, Triple<V>& d, Triple<V>& e) {
+[[gnu::always_inline]] inline void evaluate(const FlatView& plan, const FlatOp& op, State<V>& state, Triple<V>& d, Triple<V>& e) {
   const FlatGroup& group = plan.groups[op.group];
   V six[kComponents];
   if (group.table_count == 0) {
@@ -207,7 +207,7 @@ Triple<V> rotated(const Triple<V>& e, V s, V k, const Triple<V>& p) {
 
 /// The point, and if `Axis` the tool axis, through one step of the exact walk.
 template <class V, bool Axis>
-void step(const FlatView& plan, const FlatOp& op, const Setting& setting, State<V>& state, Triple<V>& p,
+[[gnu::always_inline]] inline void step(const FlatView& plan, const FlatOp& op, const Setting& setting, State<V>& state, Triple<V>& p,
           Triple<V>& a) {
   using Kind = FlatOp::Kind;
   switch (op.kind) {

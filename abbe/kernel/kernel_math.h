@@ -65,6 +65,20 @@ inline unsigned lanes_outside(const V& v, double lo, double hi) {
   }
 }
 
+/// Bit i: |lane i| < limit (or no number).
+template <class V>
+inline unsigned lanes_within(const V& v, double limit) {
+  unsigned bits = 0;
+  for (int i = 0; i < lanes_of<V>; ++i) bits |= (__builtin_fabs(lane(v, i)) >= limit ? 0u : 1u) << i;
+  return bits;
+}
+
+template <class V>
+inline V root(V v) {
+  for (int i = 0; i < lanes_of<V>; ++i) set_lane(v, i, __builtin_sqrt(lane(v, i)));
+  return v;
+}
+
 template <class V>
 struct Triple {
   V x{}, y{}, z{};

@@ -1,6 +1,6 @@
 // The last lines of every kernel_*.cpp: its table of functions. No #pragma once: one inclusion per file.
 
-#include "abbe/kernel/kernel_code.h"
+#include "abbe/kernel/kernel_correct.h"
 
 namespace abbe::kernel {
 namespace {
@@ -13,10 +13,18 @@ void tips(const FlatView& plan, const Setting& setting, const double* const* q, 
     tips_of<Native>(plan, setting, {q, i, count}, tip, lanes);
 }
 
+void correct_poses(const FlatView& plan, const Setting& setting, const double* const* q, std::size_t count,
+                   double* const* corrected, double* last, unsigned char* lanes) {
+  const FreeAxes axes = free_axes_of(plan, setting);
+  if (count == 1) return correct_packet<double>(plan, setting, axes, {q, 0, 1}, corrected, last, lanes);
+  for (std::size_t i = 0; i < count; i += kNativeLanes)
+    correct_packet<Native>(plan, setting, axes, {q, i, count}, corrected, last, lanes);
+}
+
 }  // namespace
 
 const Kernel& ABBE_KERNEL_FUNCTION() {
-  static constexpr Kernel kernel = {ABBE_KERNEL_NAME, static_cast<int>(kNativeLanes), tips, nullptr};
+  static constexpr Kernel kernel = {ABBE_KERNEL_NAME, static_cast<int>(kNativeLanes), tips, correct_poses};
   return kernel;
 }
 

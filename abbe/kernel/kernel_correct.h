@@ -1,0 +1,187 @@
+// Correction of a packet of poses: a first-order step from the sum of adjoints, then Newton steps on the exact
+// residual with the same Jacobian. See kernel_code.h for what may stand here.
+#pragma once
+
+#include "abbe/kernel/kernel_code.h"
+
+namespace abbe::kernel {
+namespace {
+
+/// |det| of the two direction columns below which the rotary axes turn the tool about one line, and of the
+/// three linear directions below which they do not span space.
+constexpr double kLeastTurn = 1e-6, kLeastVolume = 1e-3;
+/// What a radian of a rotary step counts in Kernel::correct_poses' `last`, mm.
+constexpr double kRadianLength = 300;
+/// A step that is no correction any more, mm.
+constexpr double kMostStep = 100;
+
+/// Nominal tip and tool axis, their derivatives by the free axes, and the first-order deviation.
+template <class V>
+struct FirstOrder {
+  Triple<V> p, a;    ///< nominal
+  Triple<V> dp, e;   ///< deviation of the tip, small rotation of the tool; workpiece axes
+  Triple<V> position[kMaxFlatAxes], direction[kMaxFlatAxes];
+};
+
+template <class V>
+void walk_first_order(const FlatView& plan, const Setting& setting, State<V>& state, FirstOrder<V>& f) {
+  using Kind = FlatOp::Kind;
+  f.p = f.dp = f.e = Triple<V>{};
+  f.a = broadcast<V>(setting.axis);
+  int seen[kMaxFlatAxes];
+  int count = 0;
+  for (std::uint32_t i = 0; i < plan.first_order_count; ++i) {
+    const FlatOp& op = plan.first_order[i];
+    const bool free = op.axis >= 0 && (setting.free >> op.axis & 1) != 0;
+    switch (op.kind) {
+      case Kind::slide:
+        f.p = f.p + broadcast<V>(op.u) * state.q[op.axis];
+        if (free) {
+          f.position[op.axis] = broadcast<V>(op.u);
+          seen[count++] = op.axis;
+        }
+        break;
+      case Kind::turn: {
+        const Turn<V> turn(op, state.q[op.axis]);
+        f.p = turn(f.p);
+        f.a = turn(f.a);
+        f.dp = turn(f.dp);
+        f.e = turn(f.e);
+        for (int k = 0; k < count; ++k) {
+          const int axis = seen[k];
+          f.position[axis] = turn(f.position[axis]);
+          if ((plan.rotary >> axis & 1) != 0) f.direction[axis] = turn(f.direction[axis]);
+        }
+        if (free) {
+          const Triple<V> u = broadcast<V>(op.u);
+          f.position[op.axis] = cross(u, f.p);
+          f.direction[op.axis] = cross(u, f.a);
+          seen[count++] = op.axis;
+        }
+        break;
+      }
+      case Kind::twist: {
+        Triple<V> d, e;
+        evaluate(plan, op, state, d, e);
+        // dp += d + e x p, or -=
+        const Triple<V> by = d + cross(e, f.p);
+        f.dp = op.inverse ? f.dp - by : f.dp + by;
+        f.e = op.inverse ? f.e - e : f.e + e;
+        break;
+      }
+      default:
+        step<V, false>(plan, op, setting, state, f.p, f.a);
+        continue;
+    }
+    if (op.moves_on) f.p = f.p + broadcast<V>(op.t);
+  }
+}
+
+/// The free axes, sorted: three linear ones and up to two rotary ones.
+struct FreeAxes {
+  int linear[3] = {0, 0, 0}, rotary[2] = {0, 0};
+  int rotary_count = 0;
+};
+inline FreeAxes free_axes_of(const FlatView& plan, const Setting& setting) {
+  FreeAxes axes;
+  int linear = 0;
+  for (int i = 0; i < plan.axis_count; ++i) {
+    if ((setting.free >> i & 1) == 0) continue;
+    if ((plan.rotary >> i & 1) != 0) {
+      axes.rotary[axes.rotary_count++] = i;
+    } else {
+      axes.linear[linear++] = i;
+    }
+  }
+  return axes;
+}
+
+/// The inverse of the Jacobian for all steps of a packet: the rotary axes restore the direction, the linear ones
+/// then the position (docs/theory/correction.md, equations 3 to 6).
+template <class V>
+struct Solver {
+  const FreeAxes& axes;
+  const FirstOrder<V>& f;
+  Triple<V> turn_rows[2], move_rows[3];
+  unsigned unusual = 0;
+
+  Solver(const FreeAxes& free, const FirstOrder<V>& first_order) : axes(free), f(first_order) {
+    if (axes.rotary_count == 2) {
+      // x = -a.(r x c1) / det, y = -a.(c0 x r) / det with det = a.(c0 x c1)
+      const Triple<V>&c0 = f.direction[axes.rotary[0]], &c1 = f.direction[axes.rotary[1]];
+      const V det = dot(f.a, cross(c0, c1));
+      const V inverse = 1.0 / det;
+      unusual |= lanes_within(det, kLeastTurn);
+      turn_rows[0] = cross(c1, f.a) * inverse;
+      turn_rows[1] = cross(f.a, c0) * inverse;
+    } else if (axes.rotary_count == 1) {
+      const Triple<V>& c = f.direction[axes.rotary[0]];
+      const V square = dot(c, c);
+      unusual |= lanes_within(square, kLeastTurn * kLeastTurn);
+      turn_rows[0] = c * (1.0 / square);
+    }
+    const Triple<V>&a = f.position[axes.linear[0]], &b = f.position[axes.linear[1]],
+          &c = f.position[axes.linear[2]];
+    const Triple<V> bc = cross(b, c);
+    const V volume = dot(a, bc);
+    const V inverse = 1.0 / volume;
+    unusual |= lanes_within(volume, kLeastVolume);
+    move_rows[0] = bc * inverse;
+    move_rows[1] = cross(c, a) * inverse;
+    move_rows[2] = cross(a, b) * inverse;
+  }
+
+  /// q := q + dq that removes the residual; returns |dq|.
+  V step(Triple<V> position, const Triple<V>& direction, V* q) const {
+    V square{};
+    for (int i = 0; i < axes.rotary_count; ++i) {
+      const int axis = axes.rotary[i];
+      const V dq = -dot(turn_rows[i], direction);
+      q[axis] = q[axis] + dq;
+      position = position + f.position[axis] * dq;
+      square = square + dq * dq * (kRadianLength * kRadianLength);
+    }
+    for (int i = 0; i < 3; ++i) {
+      const V dq = -dot(move_rows[i], position);
+      q[axes.linear[i]] = q[axes.linear[i]] + dq;
+      square = square + dq * dq;
+    }
+    return root(square);
+  }
+};
+
+template <class V>
+void correct_packet(const FlatView& plan, const Setting& setting, const FreeAxes& axes, const Source& from,
+                    double* const* corrected, double* last, unsigned char* lanes) {
+  State<V> state;
+  for (int i = 0; i < plan.axis_count; ++i) state.q[i] = load<V>(from, i);
+  FirstOrder<V> f;
+  walk_first_order(plan, setting, state, f);
+  const Solver<V> solver(axes, f);
+  const Triple<V> shift = broadcast<V>(setting.shift);
+  const Triple<V> target = f.p + shift;
+  V rotary_before[2] = {};
+  for (int i = 0; i < axes.rotary_count; ++i) rotary_before[i] = state.q[axes.rotary[i]];
+  V size = solver.step(f.dp - shift, cross(f.e, f.a), state.q);
+  for (int i = 0; i < setting.exact_steps; ++i) {
+    Triple<V> p, a;
+    state.outside = 0;
+    walk_actual<V, true>(plan, setting, state, p, a);
+    size = solver.step(p - target, a - f.a, state.q);
+  }
+  unsigned unusual = solver.unusual | lanes_outside(size, 0.0, kMostStep);
+  for (int i = 0; i < axes.rotary_count; ++i) {
+    unusual |= lanes_outside(state.q[axes.rotary[i]] - rotary_before[i], -setting.max_rotary, setting.max_rotary);
+  }
+  for (int i = 0; i < plan.axis_count; ++i) store(corrected[i], from.first, from.count, state.q[i]);
+  store(last, from.first, from.count, size);
+  if ((unusual | state.outside) == 0) return;
+  for (int i = 0; i < lanes_of<V> && from.first + static_cast<std::size_t>(i) < from.count; ++i) {
+    unsigned char& flag = lanes[from.first + static_cast<std::size_t>(i)];
+    if ((state.outside >> i & 1) != 0) flag |= Lane::outside;
+    if ((unusual >> i & 1) != 0) flag |= Lane::unusual;
+  }
+}
+
+}  // namespace
+}  // namespace abbe::kernel
