@@ -20,11 +20,6 @@ constexpr std::size_t kMaxKnots = 20000;
 constexpr double kTravelSlack = 1e-6;
 // Least determinant of the three axis directions.
 constexpr double kIndependent = 1e-3;
-// How the error is scanned for bends: travel of axes without a range, distance of places, mm, and their number.
-constexpr double kUsualTravel = 500;
-constexpr double kStep = 5;
-constexpr int kMostPlaces = 1000;
-
 std::vector<double> knots_of(const Machine& machine, int axis) {
   const double unit = machine.axis_unit(axis);
   const auto& range = machine.axis(axis).range;
@@ -88,42 +83,6 @@ CorrectionField::CorrectionField(const Plan& plan, const ProgramAxes& axes, bool
   // A program is written with 0.1 um: what a further step would change stays well below its last digit.
   options_.position_tolerance = 20 * nm;
   refresh_datum();
-}
-
-double CorrectionField::straight_length(double tolerance) const {
-  // Lines along each axis through the middle and the corners of the travels of the other two.
-  Vec3 lo, hi;
-  for (Eigen::Index k = 0; k < 3; ++k) {
-    const auto& range = range_[static_cast<std::size_t>(k)];
-    lo[k] = range ? (*range)[0] : -kUsualTravel;
-    hi[k] = range ? (*range)[1] : kUsualTravel;
-  }
-  const auto error_at = [&](const Vec3& m) -> Vec3 {
-    const Query q = query(m);
-    return actual_tip(plan_, q) - nominal_tip(plan_, q);
-  };
-  double bend = 0;
-  for (int k = 0; k < 3; ++k) {
-    for (int line = 0; line < 5; ++line) {
-      Vec3 m = (lo + hi) / 2;
-      if (line < 4) {
-        m[(k + 1) % 3] = line & 1 ? lo[(k + 1) % 3] : hi[(k + 1) % 3];
-        m[(k + 2) % 3] = line & 2 ? lo[(k + 2) % 3] : hi[(k + 2) % 3];
-      }
-      Vec3 before = Vec3::Zero(), here = Vec3::Zero();
-      int places = 0;
-      for (m[k] = lo[k]; m[k] <= hi[k] && places < kMostPlaces; m[k] += kStep, ++places) {
-        const Vec3 next = error_at(m);
-        if (places >= 2) bend = std::max(bend, (next - 2 * here + before).norm());
-        before = here;
-        here = next;
-      }
-    }
-  }
-  if (!std::isfinite(bend)) return 0;
-  // A kink of slope s between two places shows as s * kStep and leaves s L / 4 inside a move of length L; the
-  // factor of 4 is for oblique moves and for what lies between the places.
-  return bend > 0 ? std::min(kStep, tolerance * kStep / bend) : kStep;
 }
 
 Query CorrectionField::query(const Vec3& m) const {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "abbe/chain/correct.h"
+#include "abbe/chain/bend.h"
 #include "abbe/chain/plan.h"
 #include "abbe/kernel/tip_function.h"
 
@@ -49,8 +50,8 @@ class CorrectionField {
   [[nodiscard]] const std::vector<double>& knots(int axis) const { return knots_[static_cast<std::size_t>(axis)]; }
   [[nodiscard]] bool depends_on_direction() const { return directional_; }
   /// No straight move up to this length needs a look inside: between its ends the correction stays within
-  /// `tolerance` of its chord. Estimated from second differences of the error along each axis.
-  [[nodiscard]] double straight_length(double tolerance) const;
+  /// `tolerance` of its chord, with the tool in use (abbe::straight_reach).
+  [[nodiscard]] double straight_length(double tolerance) const { return straight_reach(plan_, tool_, tolerance); }
 
  private:
   void refresh_datum();

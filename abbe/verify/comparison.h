@@ -86,6 +86,7 @@ class Comparison {
   std::size_t disagreements_ = 0;
   bool context_changed_ = true;
   Vec3 datum_ = Vec3::Zero();
+  double straight_reach_ = 0;  ///< lines up to here need no look inside, mm
   Axes withheld_ = 0;  ///< left in machine coordinates by G53
   Approach approach_{};
   struct Reached {

@@ -10,10 +10,9 @@
 namespace abbe::verifying {
 namespace {
 
-/// Sampling. Lines up to kShort are looked at in their end only: the errors of a machine bend by far less
-/// than a micrometre over half a millimetre. Longer pieces are cut into intervals of kInterval; an inner
-/// point at kInner of each says whether the error bends there, and then the interval is halved on.
-constexpr double kShort = 0.5;     // mm
+/// Sampling. Lines along which the machine's tables cannot bend by kBend of the tolerance are looked at in
+/// their end only. Longer pieces are cut into intervals of kInterval; an inner point at kInner of each says
+/// whether the error bends there, and then the interval is halved on.
 constexpr double kInterval = 3.3;  // mm
 constexpr double kInner = 0.4;
 constexpr double kBend = 0.1;  // of the tolerance
@@ -147,8 +146,10 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   }
 
   const double before_piece = std::clamp(cover.last_s, 0.0, 1.0);
+  const bool looks_inside = piece_length > straight_reach_ || piece.kind == MotionKind::arc ||
+                            original.kind == MotionKind::arc;
   double intervals = 1;
-  if (piece_length > kShort || piece.kind == MotionKind::arc || original.kind == MotionKind::arc) {
+  if (looks_inside) {
     intervals = std::ceil(piece_length / kInterval);
     if (piece.kind == MotionKind::arc)
       intervals = std::max(
@@ -157,8 +158,6 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
       intervals = std::max(intervals, 4.0);
   }
   const int n = static_cast<int>(std::clamp(intervals, 1.0, kMaxIntervals));
-  const bool looks_inside =
-      piece_length > kShort || piece.kind == MotionKind::arc || original.kind == MotionKind::arc;
   Vec3 error = cover.tip - model_.nominal(piece.start.at);
   for (int k = 1; k <= n; ++k) {
     const double from = static_cast<double>(k - 1) / n, to = static_cast<double>(k) / n;

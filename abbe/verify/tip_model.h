@@ -4,6 +4,7 @@
 #include <optional>
 #include <variant>
 
+#include "abbe/chain/bend.h"
 #include "abbe/chain/predict.h"
 #include "abbe/core/diagnostic.h"
 #include "abbe/kernel/tip_function.h"
@@ -37,6 +38,11 @@ class TipModel {
   /// Tips at a and at b, side by side.
   [[nodiscard]] kernel::TipFunction::Two actual(const Vec3& a, const Vec3& b, const Approach& approach,
                                                 bool* outside) const;
+
+  /// See abbe::straight_reach; with the tool in the spindle.
+  [[nodiscard]] double straight_reach(double bend) const {
+    return abbe::straight_reach(plan_, query_.tool, bend);
+  }
 
   /// The first axis whose travel m leaves, or -1.
   [[nodiscard]] int beyond_travel(const Vec3& m) const;
