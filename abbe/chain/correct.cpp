@@ -301,7 +301,7 @@ class Corrector {
   }
 
   [[nodiscard]] bool printed() {
-    if (printed_form_obstacle(whole_plan_, query_.tool, free_).has_value()) return false;
+    if (printed_form_obstacle(*plan_.machine, query_.tool, free_).has_value()) return false;
     // Rotary axes that the singularity holds, then those at an end of their travel.
     for (int i = 0; i <= plan_.axis_count; ++i) {
       bool outside = plan_.constant_outside;

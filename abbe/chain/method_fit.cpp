@@ -1,5 +1,9 @@
 #include "abbe/chain/method_fit.h"
 
+#include <memory>
+#include <utility>
+#include <vector>
+
 #include "abbe/chain/frozen_chain.h"
 #include "abbe/chain/plan_impl.h"
 #include "abbe/chain/printed_form.h"
@@ -23,11 +27,17 @@ constexpr double kDegenerate = 1e-6;  // sine or volume below which a design is 
   return n;
 }
 
-[[nodiscard]] std::optional<std::string> closed_form_obstacle(const Plan::Impl& plan, const Tool& tool,
-                                                              AxisSet free) {
-  const Machine& machine = *plan.machine;
+[[nodiscard]] std::optional<std::string> closed_form_obstacle(const Machine& machine, ErrorModel model,
+                                                              const Tool& tool, AxisSet free) {
+  if (model != ErrorModel::rigid) return "it is a product of rotations and needs the rigid model";
+  // The shape of the chain is that of the machine without errors.
+  Machine ideal = machine;
+  ideal.errors.clear();
+  const std::size_t variables = ideal.variables.size();
+  const Plan whole = compile_plan(std::make_shared<const Machine>(std::move(ideal)),
+                                  std::vector<double>(variables, 0.0), model);
+  const Plan::Impl& plan = whole.impl();
   const AxisSet linear = free & ~plan.rotary, rotary = free & plan.rotary;
-  if (plan.model != ErrorModel::rigid) return "it is a product of rotations and needs the rigid model";
   if (count(linear) != 3) {
     return "it needs three linear axes that may move, this chain has " + names(machine, linear);
   }
@@ -55,15 +65,16 @@ constexpr double kDegenerate = 1e-6;  // sine or volume below which a design is 
 
 }  // namespace
 
-std::optional<std::string> method_obstacle(Method method, const Plan& plan, const Tool& tool, AxisSet free) {
+std::optional<std::string> method_obstacle(Method method, const Machine& machine, ErrorModel model,
+                                           const Tool& tool, AxisSet free) {
   switch (method) {
     case Method::newton:
     case Method::one_step:
       break;
     case Method::closed_form:
-      return closed_form_obstacle(plan.impl(), tool, free);
+      return closed_form_obstacle(machine, model, tool, free);
     case Method::printed:
-      return printed_form_obstacle(plan, tool, free);
+      return printed_form_obstacle(machine, tool, free);
   }
   return std::nullopt;
 }

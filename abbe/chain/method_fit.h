@@ -16,7 +16,7 @@ namespace abbe {
 ///              chains are accepted here and points that do not fit are held or fail.
 /// printed      the chain of seed 003 with errors of its 53 only (printed_form.h)
 /// cost         allocates; ask once, not per point
-[[nodiscard]] std::optional<std::string> method_obstacle(Method method, const Plan& plan, const Tool& tool,
-                                                         AxisSet free);
+[[nodiscard]] std::optional<std::string> method_obstacle(Method method, const Machine& machine,
+                                                         ErrorModel model, const Tool& tool, AxisSet free);
 
 }  // namespace abbe

@@ -196,7 +196,9 @@ void on_random_five_axis_machines(unsigned seed, int machines, double length, do
   for (int i = 0; i < machines; ++i) {
     const Machine machine = random.make(3, 2, length, angle);
     const Plan plan = plan_of(machine);
-    if (method_obstacle(Method::closed_form, plan, tool_of(machine), *free_axes(machine, 0))) continue;
+    if (method_obstacle(Method::closed_form, machine, ErrorModel::rigid, tool_of(machine),
+                        *free_axes(machine, 0)))
+      continue;
     for (int k = 0; k < 5; ++k) {
       SCOPED_TRACE(testing::Message() << "machine " << i << " point " << k);
       f(machine, plan, random.query(machine));
@@ -283,7 +285,7 @@ TEST(ClosedForm, ZeroErrorsChangeNothing) {
     machine.errors.clear();
     const Plan plan = plan_of(machine);
     const AxisSet free = *free_axes(machine, 0);
-    if (method_obstacle(Method::closed_form, plan, tool_of(machine), free)) continue;
+    if (method_obstacle(Method::closed_form, machine, ErrorModel::rigid, tool_of(machine), free)) continue;
     Query query = random.query(machine);
     for (const bool home : {false, true}) {
       SCOPED_TRACE(testing::Message() << i << home);
@@ -320,7 +322,7 @@ TEST(ClosedForm, ServesThreeAndFourAxesAndLockedOnes) {
     }
     const Plan plan = plan_of(machine);
     const AxisSet free = *free_axes(machine, locked);
-    ASSERT_FALSE(method_obstacle(Method::closed_form, plan, tool_of(machine), free));
+    ASSERT_FALSE(method_obstacle(Method::closed_form, machine, ErrorModel::rigid, tool_of(machine), free));
     const Query query = random.query(machine);
     const Correction a = correct(plan, query, free, with(Method::closed_form));
     const Correction b = correct(plan, query, free, {});
@@ -342,8 +344,7 @@ TEST(ClosedForm, ServesThreeAndFourAxesAndLockedOnes) {
 TEST(Methods, RefuseChainsTheyDoNotFit) {
   const auto obstacle = [](Method method, const std::string& text, ErrorModel model = ErrorModel::rigid) {
     const Machine machine = machine_of(text);
-    return method_obstacle(method, plan_of(machine, model), tool_of(machine), *free_axes(machine, 0))
-        .value_or("");
+    return method_obstacle(method, machine, model, tool_of(machine), *free_axes(machine, 0)).value_or("");
   };
   const auto chain = [](const std::string& c, const std::string& more = "") {
     return "format = 1\n[machine]\nname = \"m\"\nchain = \"" + c + "\"\n" + more;

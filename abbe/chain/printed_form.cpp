@@ -143,8 +143,7 @@ struct PrintedErrors {
 
 }  // namespace
 
-std::optional<std::string> printed_form_obstacle(const Plan& plan, const Tool& tool, AxisSet free) {
-  const Machine& machine = plan.machine();
+std::optional<std::string> printed_form_obstacle(const Machine& machine, const Tool& tool, AxisSet free) {
   if (auto obstacle = chain_obstacle(machine, tool)) return obstacle;
   if (free != (AxisSet{1} << kAxes) - 1) return "it moves all five axes";
   return error_obstacle(machine);

@@ -25,7 +25,7 @@ struct PrintedForm {
 /// that of A, which is a length L above the tip; C, Y, Z with location `frame`, A with
 /// [location motion static -location] (`line` is the same to first order); constant or position-dependent
 /// errors among the 53 of the seed; all five axes free.
-[[nodiscard]] std::optional<std::string> printed_form_obstacle(const Plan& plan, const Tool& tool,
+[[nodiscard]] std::optional<std::string> printed_form_obstacle(const Machine& machine, const Tool& tool,
                                                                AxisSet free);
 
 /// target, axis  tip and tool axis wanted, workpiece axes; nothing is checked here
