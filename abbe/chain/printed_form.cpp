@@ -40,7 +40,7 @@ constexpr std::array<int, kAxes> kAlong = {0, 2, 1, 2, 0};  // component of the 
     same = machine.bodies[i].name == kChain[i] && axis >= 0 && machine.axis(axis).branch == kBranches[i] &&
            (machine.axis(axis).type == AxisType::rotary) == (i == kC || i == kA);
   }
-  if (!same) return "it is of the chain 'w C X b Y Z A t' and of no other";
+  if (!same) return "it is meant for the chain 'w C X b Y Z A t' only";
   for (std::size_t i = 0; i < kAxes; ++i) {
     const Body& body = machine.axis(axis_of(machine, i));
     if (std::abs(std::abs(body.direction[kAlong[i]]) - 1) > kSame)
