@@ -311,7 +311,7 @@ class Corrector {
       Commands dq{};
       for (std::size_t k = 0; k < axes(); ++k) dq[k] = form.q[k] - query_.q[k];
       if (!all_finite(dq, plan_.axis_count)) return false;
-      if (form.singular) result_.held |= free_ & plan_.rotary;
+      if (form.singular) idle_ |= free_ & plan_.rotary;
       const int axis = excessive(dq);
       if (axis >= 0 && (result_.held & bit(axis)) == 0) {
         result_.held |= bit(axis);

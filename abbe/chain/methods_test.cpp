@@ -306,6 +306,10 @@ TEST(ClosedForm, ZeroErrorsChangeNothing) {
       correct(plan_of(machine), grinder_at(machine, {10, 20, 30, 0, 0.4}), 31, with(Method::closed_form));
   EXPECT_EQ(c.status, Status::ok);
   EXPECT_EQ(c.corrected[static_cast<std::size_t>(machine.find_axis("C"))], 0.4);
+  const Correction p =
+      correct(plan_of(machine), grinder_at(machine, {10, 20, 30, 0, 0.4}), 31, with(Method::printed));
+  EXPECT_EQ(p.status, Status::ok);
+  EXPECT_NEAR(p.corrected[static_cast<std::size_t>(machine.find_axis("X"))], 9.99, 1e-12);
 }
 
 TEST(ClosedForm, ServesThreeAndFourAxesAndLockedOnes) {
