@@ -1,6 +1,7 @@
 #include "abbe/chain/correct.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "abbe/chain/correction_step.h"
@@ -253,7 +254,10 @@ class Corrector {
   /// the correction itself: 1e-4 of it.
   [[nodiscard]] bool closed_form(const Commands* start) {
     // Anything but rotations cannot be undone by turning (method_fit.h).
-    if (plan_.model != ErrorModel::rigid || step_.redundant()) return false;
+    if (plan_.model != ErrorModel::rigid || std::popcount(free_ & ~plan_.rotary) != 3 ||
+        std::popcount(free_ & plan_.rotary) > 2) {
+      return false;
+    }
     if (start != nullptr && all_finite(*start, plan_.axis_count)) begin_at(*start);
     double before = 0;
     for (int i = 0; i < options_.max_iterations; ++i) {

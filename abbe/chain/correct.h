@@ -13,7 +13,7 @@ namespace abbe {
 /// Axes as a bit set: bit i = moving axis i.
 using AxisSet = std::uint32_t;
 
-/// How the commands are found (docs/theory/correction.md, section 8 says which to take when):
+/// How the commands are found (docs/theory/correction.md, section 10 says which to take when):
 enum class Method {
   newton,       ///< iterates on the model; any chain
   one_step,     ///< the differential step at the command: first order; any chain

@@ -15,7 +15,7 @@ namespace abbe {
 /// in the order in which a tool point meets them, M_i = Trans(q u) or Rot(u, q). Errors have the values
 /// they take at the commands it was frozen at. Linear axes never turn the tool, so the direction is a
 /// problem of the rotary axes alone and the position then a linear one (docs/theory/correction.md,
-/// section 4). Axis lines may be skew to each other in any way.
+/// section 3). Axis lines may be skew to each other in any way.
 class FrozenChain {
  public:
   using Commands = std::array<double, kMaxAxes>;

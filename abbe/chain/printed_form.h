@@ -15,7 +15,7 @@ namespace abbe {
 ///
 /// All errors have the values they take at the command. Second-order rest: for errors up to 0.01 mm and
 /// 10 urad, lever 200 mm, at most 8e-7 mm and 1e-9 rad at tilts of 15 to 75 deg, a hundred times that for
-/// errors ten times as large; the direction grows with 1 / sin A. docs/theory/correction.md, section 6.
+/// errors ten times as large; the direction grows with 1 / sin A. docs/theory/correction.md, section 4.
 struct PrintedForm {
   std::array<double, kMaxAxes> q{};
   bool singular = false;  ///< no solution: C and A are those of the command, X Y Z fit them

@@ -25,7 +25,7 @@ struct RelativeDeviation {
 /// ideal   T_wt of the machine without errors at this pose: its R says how the tool is turned about
 ///         its own axis, which no tool direction says
 /// laws    AMovedGearIsAMovedToolTheOtherWay
-/// source  docs/theory/correction.md, section 10
+/// source  docs/theory/correction.md, section 9
 [[nodiscard]] RelativeDeviation relative_deviation(const Pose& ideal, const PoseDeviations& deviations);
 
 /// The pose to ask for, so that with the deviations the wanted one appears (first order; the rest is their

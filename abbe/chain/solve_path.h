@@ -29,7 +29,7 @@ struct PathReport {
 ///
 /// laws   OnePathKeepsItsBranch, UnwrappedStepsAreSmall, PointsOfAPathEqualSinglePoints
 /// cost   that of `inverse` or `correct` per point; nothing grows
-/// source docs/theory/correction.md, section 9
+/// source docs/theory/correction.md, section 8
 class PathSolver {
  public:
   /// start  where the machine stands; first poses are sought from there

@@ -117,7 +117,8 @@ void write_relative(JsonWriter& json, std::string_view name, const RelativeDevia
 }
 
 void write_json_point(JsonWriter& json, const Machine& machine, const CorrectedCl& cl,
-                      const InverseResult& result, const std::vector<std::string>& outside) {
+                      const InverseResult& result, const std::vector<std::string>& outside,
+                      std::optional<bool> pass) {
   json.begin_object(Layout::one_line);
   write_pose(json, "pose", cl.wanted);
   write_relative(json, "static", cl.fixed);
@@ -128,7 +129,9 @@ void write_json_point(JsonWriter& json, const Machine& machine, const CorrectedC
   json.member("position_mm", result.residual_position)
       .member("direction_rad", result.residual_direction)
       .end();
-  json.member("status", abbe::to_string(result.status)).member("outside_travel", outside).end();
+  json.member("status", abbe::to_string(result.status)).member("outside_travel", outside);
+  if (pass) json.member("pass", *pass);
+  json.end();
 }
 
 std::string point_text(const Machine& machine, const CorrectedCl& cl, const InverseResult& result) {
@@ -249,6 +252,7 @@ void cl_correct(const ClCorrectArguments& arguments, Session& session) {
         .end();
     json.key("points").begin_array();
   }
+  std::uint64_t points = 0, passed = 0;
   Solver solver(*plan, tool_of(machine), options, start);
   ProgressBar bar("cl-correct", as_json && !source->single());
   while (!interrupted() && session.out.ok() && !session.has(Exit::outside) && source->next(session)) {
@@ -267,21 +271,28 @@ void cl_correct(const ClCorrectArguments& arguments, Session& session) {
       report_point("E-TRAVEL", source->where(), "this pose needs positions outside the travels", "", session);
     }
     if (output && !output->write(csv_row(cl.asked))) session.report(*output->error(), arguments.output);
+    const bool limits = setting->limits.given();
+    const bool pass = setting->limits.pass(result.residual_position, result.residual_direction);
+    ++points;
+    if (pass) ++passed;
     if (as_json) {
-      write_json_point(json, machine, cl, result, outside);
+      write_json_point(json, machine, cl, result, outside, limits ? std::optional(pass) : std::nullopt);
       if (json.pending() > kWriteAt) session.out.write(json.take());
     } else {
       session.out.write(point_text(machine, cl, result));
+      if (limits) session.out.write(pass ? "  pass\n" : "  FAIL\n");
     }
     bar.show(source->bytes_read(), source->bytes_total());
   }
 
   const bool complete = !interrupted() && !session.has(Exit::invalid) && !session.has(Exit::internal) &&
                         !session.has(Exit::outside);
+  if (session.strict && setting->limits.given() && passed != points) session.note(Exit::warnings);
   if (output && complete && !output->publish()) session.report(*output->error(), arguments.output);
   if (as_json) {
     json.end();
     write_path(json, machine, solver.report());
+    if (setting->limits.given()) json.member("pass", passed == points && complete);
     json.member("complete", complete).end();
     session.out.write(json.take());
   } else if (!source->single()) {
