@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <random>
 #include <string>
+#include <vector>
 
 #include "abbe/chain/correct.h"
 #include "abbe/chain/grinder_cases.h"
@@ -404,6 +407,130 @@ TEST(ClosedForm, AnAxisAtTheEndOfItsTravelStaysThere) {
   EXPECT_LE(r.residual_direction, 1e-12);
   const Correction newton = correct(plan_of(machine), query, 31, {});
   EXPECT_NEAR(r.residual_position, newton.residual_position, 1e-6);
+}
+
+/// Machines as they are built: every order of X Y Z, every split of the five axes over both branches that
+/// keeps the rotary axes next to workpiece or tool, upright or with a rotary axis at 45 deg.
+std::vector<std::string> built_machines() {
+  const std::string errors = R"([errors]
+EXX = { poly = [4, 0.02, 3e-5] }
+EYX = 7
+EBX = { poly = [12, 0.03] }
+ECX = -21
+EYY = { poly = [-6, 0.01] }
+EAY = { poly = [9, -0.02] }
+EZZ = -8
+EBZ = { poly = [0, 0.04] }
+EC0X = 35
+EB0Z = -28
+EA0Z = 17
+)";
+  struct Pair {
+    const char *work, *tool;  ///< rotary axes from the outside inwards; from the carriage to the tool
+    const char* letters;
+  };
+  const Pair pairs[] = {{"C A", "", "AC"}, {"C B", "", "BC"}, {"", "C A", "AC"}, {"", "C B", "BC"},
+                        {"", "A B", "AB"}, {"C", "A", "AC"},  {"C", "B", "BC"},  {"A", "B", "AB"}};
+  std::vector<std::string> all;
+  std::string order = "XYZ";
+  do {
+    for (const Pair& pair : pairs) {
+      for (std::size_t on_work = 0; on_work <= 3; ++on_work) {
+        for (const bool nutating : {false, true}) {
+          std::string chain = std::string("w ") + pair.work, tool = "b";
+          for (std::size_t i = 0; i < on_work; ++i) chain += std::string(" ") + order[i];
+          for (std::size_t i = on_work; i < 3; ++i) tool += std::string(" ") + order[i];
+          std::string text = "format = 1\n[machine]\nname = \"m\"\nchain = \"" + chain + " " + tool + " " +
+                             pair.tool + " t\"\n[tool]\norigin = [0, 0, 90]\nlength = 120\n";
+          for (std::size_t i = 0; i < on_work; ++i)
+            text += std::string("[axis.") + order[i] + "]\nerrors_seen = \"tool\"\n";
+          for (const char* letter = pair.letters; *letter != 0; ++letter) {
+            const bool on_table = std::string(pair.work).find(*letter) != std::string::npos;
+            const bool tilted = nutating && *letter != 'C' && letter == pair.letters;
+            text += std::string("[axis.") + *letter + "]\norigin = [10, -20, 40]\n";
+            if (on_table) text += "errors_seen = \"body\"\n";
+            if (on_table || tilted) {
+              text += std::string("direction = ") + (tilted           ? "[0, 1, 1]\n"
+                                                     : *letter == 'A' ? "[-1, 0, 0]\n"
+                                                     : *letter == 'B' ? "[0, -1, 0]\n"
+                                                                      : "[0, 0, -1]\n");
+            }
+          }
+          text += errors;
+          for (const char* letter = pair.letters; *letter != 0; ++letter) {
+            text += std::string("EX") + *letter + " = { sine = [5, 0.0174533, 0.3] }\nEC" + *letter +
+                    " = -14\nEA0" + *letter + " = 22\nEB0" + *letter + " = -31\nEY0" + *letter + " = 12\n";
+          }
+          all.push_back(text);
+        }
+      }
+    }
+  } while (std::next_permutation(order.begin(), order.end()));
+  return all;
+}
+
+TEST(ClosedForm, ServesEveryMachineThatIsBuilt) {
+  RandomMachine random(25);
+  int ok = 0, machines = 0;
+  for (const std::string& text : built_machines()) {
+    SCOPED_TRACE(text.substr(0, 120));
+    const Machine machine = machine_of(text);
+    ASSERT_EQ(machine.axis_count(), 5);
+    ASSERT_EQ(method_obstacle(Method::closed_form, machine, ErrorModel::rigid, tool_of(machine), 31),
+              std::nullopt);
+    ++machines;
+    const Plan plan = plan_of(machine);
+    for (int k = 0; k < 3; ++k) {
+      const Query query = random.query(machine, 300, 1.4);
+      const Distance distance = from_singular(machine, plan, query);
+      if (distance.direction < 0.05 || distance.position < 0.05) continue;
+      const Correction closed = correct(plan, query, 31, with(Method::closed_form));
+      const Correction newton = correct(plan, query, 31, {});
+      ASSERT_EQ(closed.status, Status::ok);
+      ASSERT_EQ(newton.status, Status::ok);
+      ++ok;
+      const Left left = left_of(plan, query, closed.corrected);
+      EXPECT_LE(left.position, kPosition);
+      EXPECT_LE(left.direction, kDirection);
+      const double amplified = 1 / (distance.direction * distance.position);
+      for (std::size_t i = 0; i < 5; ++i) {
+        const bool rotary = machine.axis(static_cast<int>(i)).type == AxisType::rotary;
+        EXPECT_NEAR(closed.corrected[i], newton.corrected[i], (rotary ? 1e-12 : 1e-9) * amplified);
+      }
+    }
+  }
+  EXPECT_EQ(machines, 6 * 8 * 4 * 2);
+  EXPECT_GT(ok, 900);
+}
+
+TEST(Methods, NeverNaN) {
+  const double strange[] = {0,   -0.0, 1e-300, 1e-12, 0.5,      M_PI / 2, M_PI,
+                            1e6, 1e15, 1e150,  1e300, INFINITY, NAN};
+  std::mt19937 pick(26);
+  const std::vector<std::string> built = built_machines();
+  std::vector<Machine> machines = {machine_of(grinder::text(0)), machine_of(grinder::text(1, 1e5)),
+                                   machine_of(built[0]), machine_of(built[57]), machine_of(built[200])};
+  for (const Machine& machine : machines) {
+    const Plan plan = plan_of(machine);
+    for (int k = 0; k < 300; ++k) {
+      Query query;
+      query.tool = tool_of(machine);
+      for (std::size_t i = 0; i < 5; ++i) query.q[i] = strange[pick() % std::size(strange)];
+      for (const Method method : {Method::newton, Method::one_step, Method::closed_form, Method::printed}) {
+        const Correction c = correct(plan, query, 31, with(method, 0.1));
+        bool finite = std::isfinite(c.residual_position) && std::isfinite(c.residual_direction);
+        for (std::size_t i = 0; i < 5; ++i) {
+          finite = finite && std::isfinite(c.corrected[i]);
+          const bool rotary = machine.axis(static_cast<int>(i)).type == AxisType::rotary;
+          // Never a jump.
+          if (rotary && std::isfinite(query.q[i])) {
+            EXPECT_LE(std::abs(c.corrected[i] - query.q[i]), 0.1 + 1e-9 + 1e-15 * std::abs(query.q[i]));
+          }
+        }
+        ASSERT_TRUE(finite) << to_string(method) << " " << k;
+      }
+    }
+  }
 }
 
 constexpr const char* kThreeAxes = R"(format = 1
