@@ -1,10 +1,13 @@
 #include "abbe/chain/correct.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "abbe/chain/correction_step.h"
+#include "abbe/chain/frozen_chain.h"
 #include "abbe/chain/plan_impl.h"
+#include "abbe/chain/printed_form.h"
 #include "abbe/chain/walk.h"
 
 namespace abbe {
@@ -34,7 +37,8 @@ struct Actual {
 class Corrector {
  public:
   Corrector(const Plan& plan, const Query& query, AxisSet free, const CorrectOptions& options)
-      : plan_(plan.impl()),
+      : whole_plan_(plan),
+        plan_(plan.impl()),
         query_(query),
         options_(options),
         free_(free & ~options.locked),
@@ -58,12 +62,25 @@ class Corrector {
     set_limits();
 
     q_ = command();
-    const bool done = options_.method == Method::one_step ? one_step() : newton(start);
-    finish(done);
+    finish(solve(start));
     return result_;
   }
 
  private:
+  [[nodiscard]] bool solve(const Commands* start) {
+    switch (options_.method) {
+      case Method::newton:
+        return newton(start);
+      case Method::one_step:
+        return one_step();
+      case Method::closed_form:
+        return closed_form(start);
+      case Method::printed:
+        break;
+    }
+    return printed();
+  }
+
   [[nodiscard]] std::size_t axes() const { return static_cast<std::size_t>(plan_.axis_count); }
 
   /// The commands of the axes that exist, zero elsewhere.
@@ -195,6 +212,16 @@ class Corrector {
                     std::sqrt(rotary) / std::max(options_.rotation_tolerance, kLeastTolerance));
   }
 
+  /// What the next step is at most, as a part of this one; `before` is the size of the one before, 0 = none.
+  [[nodiscard]] static double safe_rate(double size, double before) {
+    return before > 0 ? std::clamp(4 * size / before, kLeastRate, 1.0) : kFirstRate;
+  }
+  /// The step, or the one that would follow it, is below the tolerance.
+  [[nodiscard]] bool settled(double size, double before, int iteration) const {
+    const bool last = iteration + 1 == options_.max_iterations;
+    return size <= 1 || size * safe_rate(size, before) <= 1 || (last && size <= kStalled);
+  }
+
   [[nodiscard]] bool newton(const Commands* start) {
     if (start != nullptr && all_finite(*start, plan_.axis_count) && !step_.redundant()) begin_at(*start);
     double before = 0;  // size of the step before, 0 = none since the last hold
@@ -212,16 +239,96 @@ class Corrector {
       double linear_mm = 0;
       const double size = size_of(dq, linear_mm);
       move(dq);
-      const double rate = before > 0 ? size / before : kFirstRate;
-      const double safe_rate = before > 0 ? std::clamp(4 * rate, kLeastRate, 1.0) : kFirstRate;
-      const bool last = i + 1 == options_.max_iterations;
-      if (size <= 1 || size * safe_rate <= 1 || (last && size <= kStalled)) {
-        measure(left, cosine, safe_rate * linear_mm);
+      if (settled(size, before, i)) {
+        measure(left, cosine, safe_rate(size, before) * linear_mm);
         return true;
       }
       // A least-squares answer depends on the Jacobian it was found with: there it stays the command's.
-      if (before > 0 && rate > kSlow && step_.square()) renew_jacobian();
+      if (before > 0 && size / before > kSlow && step_.square()) renew_jacobian();
       before = size;
+    }
+    return false;
+  }
+
+  /// q <- closed form with the errors frozen at q. What changes the errors from one pass to the next is
+  /// the correction itself: 1e-4 of it.
+  [[nodiscard]] bool closed_form(const Commands* start) {
+    // Anything but rotations cannot be undone by turning (method_fit.h).
+    if (plan_.model != ErrorModel::rigid || std::popcount(free_ & ~plan_.rotary) != 3 ||
+        std::popcount(free_ & plan_.rotary) > 2) {
+      return false;
+    }
+    if (start != nullptr && all_finite(*start, plan_.axis_count)) begin_at(*start);
+    double before = 0;
+    for (int i = 0; i < options_.max_iterations; ++i) {
+      Commands next = q_;
+      bool outside = plan_.constant_outside;
+      inputs_.move_to(q_);
+      FrozenChain chain;
+      chain.freeze(plan_, plan_.actual, inputs_.inputs(), free_ & ~result_.held & ~idle_, &outside);
+      result_.outside = outside;
+      ++result_.iterations;
+      const FrozenChain::Turns turns = chain.aim(q_, query_.tool.axis, target_axis_);
+      if (turns.kind == FrozenChain::Turns::Kind::out_of_reach) {
+        rest(turns.resting);
+        before = 0;
+        continue;
+      }
+      for (int r = 0; r < chain.rotary_count() && turns.count > 0; ++r)
+        next[static_cast<std::size_t>(chain.rotary(r))] += turns.change[0][static_cast<std::size_t>(r)];
+      chain.reach(next, target_);
+      Commands dq{};
+      for (std::size_t k = 0; k < axes(); ++k) dq[k] = next[k] - q_[k];
+      if (!all_finite(dq, plan_.axis_count)) return false;
+      if (held_instead(dq)) {
+        before = 0;
+        continue;
+      }
+      double linear_mm = 0;
+      const double size = size_of(dq, linear_mm);
+      move(dq);
+      if (settled(size, before, i)) {
+        const Actual at = actual();
+        measure(residual_of(at), at.a.dot(target_axis_), 0);
+        return at.a.dot(target_axis_) > 0;
+      }
+      before = size;
+    }
+    return false;
+  }
+
+  /// Two rotary axes that cannot reach the direction: one of them keeps its command.
+  void rest(int axis) {
+    q_ = held_start();
+    idle_ |= bit(axis);
+    prepare(columns_);
+  }
+
+  [[nodiscard]] bool printed() {
+    if (printed_form_obstacle(*plan_.machine, query_.tool, free_).has_value()) return false;
+    // Rotary axes that the singularity holds, then those at an end of their travel.
+    for (int i = 0; i <= plan_.axis_count; ++i) {
+      bool outside = plan_.constant_outside;
+      const PrintedForm form =
+          printed_form(whole_plan_, query_, target_, target_axis_, result_.held, &outside);
+      result_.outside = outside;
+      Commands dq{};
+      for (std::size_t k = 0; k < axes(); ++k) dq[k] = form.q[k] - query_.q[k];
+      if (!all_finite(dq, plan_.axis_count)) return false;
+      if (form.singular) idle_ |= free_ & plan_.rotary;
+      const int axis = excessive(dq);
+      if (axis >= 0 && (result_.held & bit(axis)) == 0) {
+        result_.held |= bit(axis);
+        continue;
+      }
+      for (std::size_t k = 0; k < axes(); ++k) {
+        q_[k] = std::clamp(form.q[k], lo_[k], hi_[k]);
+        if (q_[k] != form.q[k]) result_.held |= bit(static_cast<int>(k));
+      }
+      const Actual at = actual();
+      result_.outside = result_.outside || outside;
+      measure(residual_of(at), at.a.dot(target_axis_), 0);
+      return at.a.dot(target_axis_) > 0;
     }
     return false;
   }
@@ -299,8 +406,8 @@ class Corrector {
     if (idle_ != 0 && result_.residual_direction > kOkDirection) result_.held |= idle_;
     result_.corrected = q_;
     const double allowed = std::max(kOkPosition, options_.position_tolerance);
-    const double missing =
-        options_.method == Method::one_step ? rest_.position.norm() : result_.residual_position;
+    const bool first_order = options_.method == Method::one_step || options_.method == Method::printed;
+    const double missing = first_order ? rest_.position.norm() : result_.residual_position;
     if (result_.held != 0)
       result_.status = Status::degraded;
     else if (missing <= allowed)
@@ -327,6 +434,7 @@ class Corrector {
     result_.status = Status::failed;
   }
 
+  const Plan& whole_plan_;
   const Plan::Impl& plan_;
   const Query& query_;
   const CorrectOptions& options_;
@@ -355,6 +463,20 @@ std::string_view to_string(Status status) {
       break;
   }
   return "failed";
+}
+
+std::string_view to_string(Method method) {
+  switch (method) {
+    case Method::newton:
+      return "newton";
+    case Method::one_step:
+      return "one-step";
+    case Method::closed_form:
+      return "closed-form";
+    case Method::printed:
+      break;
+  }
+  return "printed";
 }
 
 Correction correct(const Plan& plan, const Query& query, AxisSet free, const CorrectOptions& options,

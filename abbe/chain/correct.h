@@ -13,7 +13,14 @@ namespace abbe {
 /// Axes as a bit set: bit i = moving axis i.
 using AxisSet = std::uint32_t;
 
-enum class Method { newton, one_step };
+/// How the commands are found (docs/theory/correction.md, section 10 says which to take when):
+enum class Method {
+  newton,       ///< iterates on the model; any chain
+  one_step,     ///< the differential step at the command: first order; any chain
+  closed_form,  ///< exact for frozen errors, repeated with errors at the corrected commands
+  printed,      ///< the first-order equations printed in seed 003, for that chain only
+};
+[[nodiscard]] std::string_view to_string(Method method);
 
 /// docs/machine-file.md, section Correction. partial: an axis is missing or locked for part of the
 /// position; degraded: an axis was held near a singularity or limit; failed: corrected = commanded.
@@ -53,12 +60,14 @@ struct Correction {
 /// Corrects one command: rotary axes restore the tool direction, linear axes the position.
 /// start     a first guess of the corrected commands, or null (= the command). On a path the best guess
 ///           is the command plus the correction of the point before. Ignored for redundant axes.
-/// status    of Method::one_step: ok means that the whole step could be made; its second-order rest is
-///           in the residual, whatever its size. Newton: ok means residual_position <= 1e-6 mm.
-/// errors    failed for non-finite input or when the iteration does not converge; never NaN. Commands
-///           that are no numbers come back as 0
-/// laws      ActualOfCorrectedIsNominal, ZeroErrorsChangeNothing, WarmStartGivesTheSameAnswer
-/// cost      no allocation; one model evaluation per iteration
+/// status    of one_step and printed: ok means that the whole step could be made; its second-order rest is
+///           in the residual, whatever its size. Others: ok means residual_position <= 1e-6 mm.
+/// errors    failed for non-finite input, when the iteration does not converge or the method does not fit
+///           (ask method_obstacle of method_fit.h first); never NaN. Commands that are no numbers come
+///           back as 0
+/// laws      ActualOfCorrectedIsNominal, ZeroErrorsChangeNothing, WarmStartGivesTheSameAnswer,
+///           ClosedFormEqualsNewton
+/// cost      no allocation; one model evaluation per iteration, closed_form one more. printed allocates
 /// source    docs/theory/correction.md
 [[nodiscard]] Correction correct(const Plan& plan, const Query& query, AxisSet free,
                                  const CorrectOptions& options,

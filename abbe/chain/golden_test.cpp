@@ -154,6 +154,12 @@ TEST(Golden, ThreeAxisMachineOfSeed001) {
     EXPECT_VEC_NEAR(deviation(ErrorModel::rigid), vec(c.at("Pe_exact_rigid_exp")), 3e-7);
 
     const Plan plan = plan_of(machine, ErrorModel::rigid);
+    CorrectOptions one_step;
+    one_step.method = Method::one_step;
+    const Correction step = correct(plan, query, 7, one_step);
+    EXPECT_VEC_NEAR(Vec3(step.corrected[0], step.corrected[1], step.corrected[2]),
+                    vec(c.at("compensation")[1].at("q")), 1e-12);
+    EXPECT_NEAR(step.residual_position, c.at("compensation")[1].at("norm").get<double>(), 3e-7);
     const Correction corrected = correct(plan, query, *free_axes(machine, 0), {});
     EXPECT_EQ(corrected.status, Status::ok);
     const Vec3 expected = vec(c.at("compensation").back().at("q"));
@@ -234,14 +240,64 @@ TEST(Golden, GearGrinderOfSeed003Inverse) {
     EXPECT_VEC_NEAR(actual_tip(plan, exact), vec(c.at("cl")), 1e-12);
     CorrectOptions options;
     options.max_rotary_correction = 0.3;
-    const Correction corrected = correct(plan, ideal, *free_axes(machine, 0), options);
-    EXPECT_EQ(corrected.status, Status::ok);
     // Rounding of 1e-16 in the tool axis is 1e-16 / sin(A) in C, and 100 times that in X and Y.
     const double amplified = 1 / std::abs(std::sin(c.at("q_ideal")[3].get<double>()));
-    for (std::size_t i = 0; i < 5; ++i) {
-      const bool rotary = machine.axis(static_cast<int>(i)).type == AxisType::rotary;
-      EXPECT_NEAR(corrected.corrected[i], exact.q[i], (rotary ? 1e-12 : 1e-10) * amplified);
+    for (const Method method : {Method::newton, Method::closed_form}) {
+      options.method = method;
+      const Correction corrected = correct(plan, ideal, *free_axes(machine, 0), options);
+      EXPECT_EQ(corrected.status, Status::ok);
+      // The closed form does not lose as much.
+      const double loss = method == Method::newton ? amplified : std::max(1.0, 2e-4 * amplified);
+      for (std::size_t i = 0; i < 5; ++i) {
+        const bool rotary = machine.axis(static_cast<int>(i)).type == AxisType::rotary;
+        EXPECT_NEAR(corrected.corrected[i], exact.q[i], (rotary ? 1e-12 : 1e-10) * loss);
+      }
     }
+    options.method = Method::printed;
+    const Correction printed = correct(plan, ideal, *free_axes(machine, 0), options);
+    const Query expected = commands(c.at("q_printed_closed_form"));
+    const json& rest = c.at("residual_printed_on_rigid_model");
+    for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(printed.corrected[i], expected.q[i], 3e-12 * amplified);
+    EXPECT_NEAR(printed.residual_position, rest[0], 1e-4 * rest[0].get<double>());
+    EXPECT_NEAR(printed.residual_direction, rest[1], 1e-3 * rest[1].get<double>());
+  }
+}
+
+TEST(Golden, SevenAxesLockedOrWeightedIterated) {
+  GOLDEN_OR_SKIP("unified_checks.json");
+  const Machine machine = machine_at("machines/seed000-seven-axis-after.toml");
+  const Plan plan = plan_of(machine, ErrorModel::rigid);
+  for (const json& g : file->at("seed000").at("compensation")) {
+    SCOPED_TRACE(g.at("solver").get<std::string>());
+    const bool all = g.at("active").size() == 7;
+    std::map<std::string, double> q, expected;
+    CorrectOptions options;
+    for (std::size_t i = 0; i < g.at("axes").size(); ++i) {
+      const std::string name = g.at("axes")[i];
+      q[name] = g.at("steps")[0].at("q")[i];
+      expected[name] = g.at("steps").back().at("q")[i];
+      if (all)
+        options.weights.at(static_cast<std::size_t>(machine.find_axis(name))) = g.at("weights").at(name);
+    }
+    const AxisSet free = all ? AxisSet{0x7F} : *free_axes(machine, 0);
+    const Correction newton = correct(plan, at(machine, q), free, options);
+    EXPECT_EQ(newton.status, Status::ok);
+    EXPECT_LE(newton.residual_position, 1e-9);
+    EXPECT_LE(newton.residual_direction, 1e-12);
+    for (const auto& [name, value] : expected) {
+      const int axis = machine.find_axis(name);
+      const bool rotary = machine.axis(axis).type == AxisType::rotary;
+      // The golden adds squareness as a translation: second order apart.
+      EXPECT_NEAR(newton.corrected[static_cast<std::size_t>(axis)], value, rotary ? 1e-9 : 5e-7) << name;
+    }
+    options.method = Method::closed_form;
+    const Correction closed = correct(plan, at(machine, q), free, options);
+    if (all) {
+      EXPECT_EQ(closed.status, Status::failed);
+      continue;
+    }
+    EXPECT_EQ(closed.status, Status::ok);
+    for (std::size_t i = 0; i < 7; ++i) EXPECT_NEAR(closed.corrected[i], newton.corrected[i], 1e-9);
   }
 }
 

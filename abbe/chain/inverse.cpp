@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "abbe/chain/correction_step.h"
+#include "abbe/chain/frozen_chain.h"
 #include "abbe/chain/plan_impl.h"
 #include "abbe/chain/walk.h"
 
@@ -19,6 +20,8 @@ constexpr double kSamePose = 1e-7;   // rad: rotary positions this close are one
 constexpr double kReached = 1e-14;   // rad: no need to look for a closer direction
 constexpr double kReachable = 2e-6;  // rad: what the digits of a pose file may leave on fewer than five axes
 constexpr double kReachedPosition = 1e-8;  // mm
+constexpr double kOnSingularity = 1e-9;    // determinant below which there is no side
+constexpr double kDegenerate = 1e-6;       // sine or volume of a design that sets no direction or position
 constexpr int kStartsPerAxis = 8;
 constexpr int kMaxSteps = 60;
 
@@ -27,7 +30,24 @@ struct Candidate {
   Commands q{};
   double distance = 0;
   bool within_travel = true;
+  Side side;
 };
+
+/// a . (c1 x c2) of the first two free rotary axes.
+[[nodiscard]] Side side_of_columns(const Plan::Impl& plan, const CarriedColumns& c, AxisSet free) {
+  std::array<int, 2> turning{};
+  std::size_t count = 0;
+  for (int i = 0; i < plan.axis_count; ++i) {
+    if ((free & plan.rotary & (AxisSet{1} << i)) == 0) continue;
+    if (count == turning.size()) return {};
+    turning[count++] = i;
+  }
+  if (count < turning.size()) return {};
+  const Vec3 first = c.tool_axis.col(turning[0]), second = c.tool_axis.col(turning[1]);
+  const double determinant = c.v[0].dot(first.cross(second));
+  if (!(std::abs(determinant) > kOnSingularity)) return {};
+  return {determinant > 0 ? 1 : -1, std::abs(determinant)};
+}
 
 class InverseSolver {
  public:
@@ -36,6 +56,7 @@ class InverseSolver {
       : plan_(plan.impl()), tool_(tool), position_(position), direction_(direction), start_(start) {
     for (int i = 0; i < plan_.axis_count; ++i) {
       if ((free & (AxisSet{1} << i)) == 0) continue;
+      free_ |= AxisSet{1} << i;
       (plan_.machine->axis(i).type == AxisType::rotary ? rotary_ : linear_).push_back(i);
     }
   }
@@ -43,13 +64,11 @@ class InverseSolver {
   /// All nominal solutions found, nearest first.
   [[nodiscard]] std::vector<Candidate> solve() {
     std::vector<Candidate> found;
-    for (const Commands& from : starts()) {
-      Commands q = from;
-      if (!aim(q) || !reach(q)) continue;
-      Candidate candidate = unwrap(q);
-      const bool known = std::any_of(found.begin(), found.end(),
-                                     [&](const Candidate& other) { return same(other.q, candidate.q); });
-      if (!known) found.push_back(candidate);
+    if (!closed_form(found)) {
+      for (const Commands& from : starts()) {
+        Commands q = from;
+        if (aim(q) && reach(q)) add(q, found);
+      }
     }
     std::stable_sort(found.begin(), found.end(),
                      [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
@@ -57,6 +76,39 @@ class InverseSolver {
   }
 
  private:
+  void add(const Commands& q, std::vector<Candidate>& found) const {
+    Candidate candidate = unwrap(q);
+    candidate.side = side_of_columns(plan_, columns_at(candidate.q), free_);
+    const bool known = std::any_of(found.begin(), found.end(),
+                                   [&](const Candidate& other) { return same(other.q, candidate.q); });
+    if (!known) found.push_back(candidate);
+  }
+
+  /// All solutions at once. False for chains it does not know everything about.
+  [[nodiscard]] bool closed_form(std::vector<Candidate>& found) const {
+    if (linear_.size() != 3 || rotary_.size() > 2) return false;
+    Inputs<double> in;
+    in.q = start_.data();
+    in.tip = tool_.tip;
+    FrozenChain chain;
+    chain.freeze(plan_, plan_.nominal, in, free_, nullptr);
+    const FrozenChain::Shape shape = chain.shape(start_, tool_.axis);
+    if (!(shape.between_axes > kDegenerate) || !(shape.tool_to_axis > kDegenerate)) return false;
+    const FrozenChain::Turns turns = chain.aim(start_, tool_.axis, direction_);
+    for (std::size_t i = 0; i < static_cast<std::size_t>(std::max(turns.count, 1)); ++i) {
+      Commands q = start_;
+      for (int r = 0; r < chain.rotary_count(); ++r)
+        q[static_cast<std::size_t>(chain.rotary(r))] += turns.change[i][static_cast<std::size_t>(r)];
+      chain.reach(q, position_);
+      const CarriedColumns c = columns_at(q);
+      if ((c.v[0] - direction_).norm() <= kReachable && (c.p - position_).norm() <= position_tolerance())
+        add(q, found);
+    }
+    return true;
+  }
+
+  [[nodiscard]] double position_tolerance() const { return kReachedPosition + 1e-13 * position_.norm(); }
+
   [[nodiscard]] CarriedColumns columns_at(const Commands& q) const {
     Inputs<double> in;
     in.q = q.data();
@@ -146,13 +198,13 @@ class InverseSolver {
       const Commands dq = step.solve({c.p - position_, Vec2(0, 0)}, left);
       for (std::size_t i = 0; i < dq.size(); ++i) q[i] += dq[i];
     }
-    const double miss = (columns_at(q).p - position_).norm();
-    return miss <= kReachedPosition + 1e-13 * position_.norm();
+    return (columns_at(q).p - position_).norm() <= position_tolerance();
   }
 
   /// Every rotary axis to the turn nearest to the start, within its travel if one fits.
   [[nodiscard]] Candidate unwrap(const Commands& q) const {
-    Candidate c{q, 0, true};
+    Candidate c;
+    c.q = q;
     double sum = 0;
     for (const int i : rotary_) {
       const auto k = static_cast<std::size_t>(i);
@@ -189,6 +241,7 @@ class InverseSolver {
   const Tool& tool_;
   Vec3 position_, direction_;
   Commands start_;
+  AxisSet free_ = 0;
   std::vector<int> linear_, rotary_;
 };
 
@@ -207,6 +260,16 @@ void measure(InverseResult& result, const TipAndAxis& at, const Vec3& position, 
 
 }  // namespace
 
+Side side_of(const Plan& plan, const Query& query, AxisSet free) {
+  Inputs<double> in;
+  in.q = query.q.data();
+  in.tip = query.tool.tip;
+  CarriedColumns c;
+  c.v[0] = query.tool.axis;
+  walk_columns(plan.impl(), in, c);
+  return side_of_columns(plan.impl(), c, free);
+}
+
 InverseResult inverse(const Plan& plan, const Tool& tool, const Vec3& position, const Vec3& direction,
                       const std::array<double, kMaxAxes>& start, AxisSet free,
                       const InverseOptions& options) {
@@ -223,8 +286,11 @@ InverseResult inverse(const Plan& plan, const Tool& tool, const Vec3& position, 
   Query query;
   query.tool = tool;
   query.q = start;
-  const auto taken =
-      std::find_if(found.begin(), found.end(), [](const Candidate& c) { return c.within_travel; });
+  auto taken = std::find_if(found.begin(), found.end(), [&](const Candidate& c) {
+    return c.within_travel && (options.side == 0 || c.side.sign == options.side);
+  });
+  if (taken == found.end())
+    taken = std::find_if(found.begin(), found.end(), [](const Candidate& c) { return c.within_travel; });
   const bool reachable = taken != found.end();
   if (reachable)
     query.q = taken->q;
@@ -232,16 +298,20 @@ InverseResult inverse(const Plan& plan, const Tool& tool, const Vec3& position, 
     query.q = found.front().q;
   result.q = query.q;
   result.branch = reachable ? static_cast<int>(taken - found.begin()) : 0;
+  if (reachable) result.side = taken->side;
   if (!reachable || options.ideal) {
     result.status = reachable ? Status::ok : Status::failed;
     measure(result, pose_at(plan, query, options.ideal), position, unit);
     return result;
   }
   CorrectOptions correction;
+  correction.method = options.method;
   correction.max_rotary_correction = options.max_rotary_correction;
   const Correction corrected = correct(plan, query, moving, correction);
   result.q = corrected.corrected;
   result.status = corrected.status;
+  result.iterations = corrected.iterations;
+  result.outside = corrected.outside;
   query.q = corrected.corrected;
   measure(result, pose_at(plan, query, false), position, unit);
   return result;

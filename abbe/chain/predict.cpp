@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "abbe/chain/plan_impl.h"
+#include "abbe/chain/query_variables.h"
 #include "abbe/chain/walk.h"
 
 namespace abbe {
@@ -76,26 +77,12 @@ struct Poses {
 }
 
 [[nodiscard]] std::vector<std::string> extrapolated_errors(const Plan::Impl& plan, const Query& query) {
-  const Machine& machine = *plan.machine;
-  std::vector<double> variables = plan.variables;
-  std::vector<signed char> approach(variables.size(), 0);
-  for (std::size_t i = 0; i < variables.size(); ++i) {
-    const Variable& variable = machine.variables[i];
-    const auto axis = static_cast<std::size_t>(variable.axis);
-    if (variable.kind == Variable::Kind::position) {
-      variables[i] = file_position(query.q[axis], plan.unit[axis]);
-      approach[i] = query.approach[axis];
-    } else if (variable.kind == Variable::Kind::velocity && axis < query.velocity.size()) {
-      variables[i] = query.velocity[axis];
-    } else if (variable.kind == Variable::Kind::acceleration && axis < query.acceleration.size()) {
-      variables[i] = query.acceleration[axis];
-    }
-  }
+  const QueryVariables read = query_variables(plan, query);
   std::vector<std::string> names;
-  for (const ErrorTerm& error : machine.errors) {
+  for (const ErrorTerm& error : plan.machine->errors) {
     bool outside = false;
     // The flag is wanted, not the value.
-    static_cast<void>(error.function.value<double>(variables.data(), approach.data(), &outside));
+    static_cast<void>(error.function.value<double>(read.values.data(), read.approach.data(), &outside));
     std::string name = to_string(error.name);
     if (outside && std::find(names.begin(), names.end(), name) == names.end())
       names.push_back(std::move(name));

@@ -19,7 +19,7 @@ constexpr std::uint64_t kMarkLines = 40;
 Rewriter::Rewriter(const Plan& plan, const ProgramAxes& axes, const RewriteJob& job, RewriteReport& report)
     : job_(job), report_(report), machine_(plan.machine()), field_(plan, axes, job.probed_datum), findings_(job.name),
       interpolation_(job.tolerance / 2),
-      short_enough_(std::max(2 * interpolation_ / job.max_gradient, field_.straight_length(interpolation_))), angular_(machine_.has_angular_errors()), in_(job.setup.work_offsets),
+      angular_(machine_.has_angular_errors()), in_(job.setup.work_offsets),
       out_(job.setup.work_offsets) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (!job.setup.start[k]) continue;

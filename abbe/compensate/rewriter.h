@@ -146,7 +146,7 @@ class Rewriter {
   CorrectionField field_;
   ProgramFindings findings_;
   double interpolation_;          ///< mm
-  double short_enough_;           ///< mm: a move up to this length is not looked into
+  double short_enough_ = 0;       ///< mm: a move up to this length is not looked into
   bool angular_;
 
   Block block_;

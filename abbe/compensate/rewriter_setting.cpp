@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "abbe/compensate/rewriter.h"
@@ -8,6 +9,9 @@
 
 namespace abbe {
 namespace {
+
+// Longer moves are always looked into, mm.
+constexpr double kShort = 5;
 
 std::optional<int> whole(const Word* word) {
   if (!word || word->value < 0 || word->value > 1e6 || word->value != std::floor(word->value)) return std::nullopt;
@@ -23,6 +27,7 @@ bool Rewriter::change_tool(std::optional<int> number) {
   const GaugeLength gauge = gauge_length(job_.setup, machine_, number);
   gauge_ = gauge.length;
   field_.set_tool(tool_of(machine_, gauge.length));
+  short_enough_ = std::max(2 * interpolation_ / job_.max_gradient, std::min(kShort, field_.straight_length(interpolation_)));
   last_correction_.reset();
   datum_dirty_ = true;
   if (gauge.touch_off && angular_) {

@@ -8,6 +8,7 @@
 #include <utility>
 #include <variant>
 
+#include "abbe/chain/method_fit.h"
 #include "abbe/core/file.h"
 #include "abbe/core/number.h"
 #include "abbe/core/units.h"
@@ -337,6 +338,36 @@ std::optional<AxisSet> free_axes_or_report(const Machine& machine, AxisSet locke
     session.report(ambiguous);
   }
   return free;
+}
+
+Method method_of(std::string_view text) {
+  for (const Method method : {Method::one_step, Method::closed_form, Method::printed}) {
+    if (abbe::to_string(method) == text) return method;
+  }
+  return Method::newton;
+}
+
+void add_method_option(CLI::App& verb, std::string& method) {
+  verb.add_option(
+          "--method", method,
+          "newton iterates (default), one-step is the differential step, closed-form the exact one for "
+          "up to two rotary axes, printed that of the patent for the gear grinder")
+      ->check(CLI::IsMember({"newton", "one-step", "closed-form", "printed"}));
+}
+
+bool method_fits_or_report(const Setting& setting, Method method, AxisSet free, Session& session) {
+  const Machine& machine = setting.machine;
+  const std::optional<std::string> obstacle =
+      method_obstacle(method, machine, setting.model, tool_of(machine), free);
+  if (!obstacle) return true;
+  Diagnostic misfit;
+  misfit.code = "E-METHOD";
+  misfit.place.file = machine.files.empty() ? "machine" : machine.files.front();
+  misfit.message = fmt::format("the method {} does not fit: {}", abbe::to_string(method), *obstacle);
+  misfit.why = "it would have no answer, or the answer of another machine";
+  misfit.fix = "--method newton serves every chain and model";
+  session.report(misfit);
+  return false;
 }
 
 std::vector<std::string> outside_travel(const Machine& machine, const std::array<double, kMaxAxes>& q) {

@@ -94,6 +94,13 @@ struct Setting {
 [[nodiscard]] std::optional<AxisSet> free_axes_or_report(const Machine& machine, AxisSet locked,
                                                          Session& session);
 
+/// --method: newton, one-step, closed-form, printed.
+void add_method_option(CLI::App& verb, std::string& method);
+[[nodiscard]] Method method_of(std::string_view text);
+/// False after E-METHOD: the method does not fit this chain.
+[[nodiscard]] bool method_fits_or_report(const Setting& setting, Method method, AxisSet free,
+                                         Session& session);
+
 /// Axes of q that are beyond their travel, by name.
 [[nodiscard]] std::vector<std::string> outside_travel(const Machine& machine,
                                                       const std::array<double, kMaxAxes>& q);

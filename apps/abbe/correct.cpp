@@ -1,11 +1,10 @@
-#include "abbe/chain/correct.h"
-
 #include <fmt/core.h>
 
 #include <array>
 #include <memory>
 #include <string>
 
+#include "abbe/chain/solve_path.h"
 #include "abbe/core/units.h"
 #include "abbe/report/json_writer.h"
 #include "common.h"
@@ -27,6 +26,7 @@ struct CorrectArguments {
   std::string method = "newton";
   std::vector<std::string> lock, weights;
   double max_rotary_correction_deg = 0.5;
+  bool path = false;
 };
 
 /// --weights X=2,A=0.5: what moving an axis costs, for redundant axes.
@@ -225,7 +225,7 @@ void correct_points(const CorrectArguments& arguments, Session& session) {
   if (!setting) return;
   Diagnostics diagnostics;
   CorrectOptions options;
-  options.method = arguments.method == "one-step" ? Method::one_step : Method::newton;
+  options.method = method_of(arguments.method);
   options.max_rotary_correction = arguments.max_rotary_correction_deg * deg;
   options.locked = read_lock(setting->machine, arguments.lock, diagnostics);
   options.weights = read_weights(setting->machine, arguments.weights, diagnostics);
@@ -241,8 +241,13 @@ void correct_points(const CorrectArguments& arguments, Session& session) {
       *free |= bit;
     }
   }
+  if (!method_fits_or_report(*setting, options.method, *free, session)) return;
   std::optional<PointSource> source = PointSource::open(arguments.points, *setting, session);
   if (!source) return;
+  PathOptions path_options;
+  path_options.free = *free;
+  path_options.correction = options;
+  PathSolver path(path_options, {});
 
   const bool as_json = arguments.common.json;
   JsonWriter json;
@@ -260,8 +265,9 @@ void correct_points(const CorrectArguments& arguments, Session& session) {
   Tally tally;
   ProgressBar bar("correct", as_json && !source->single());
   while (!interrupted() && session.out.ok() && source->next(session)) {
-    const Query query = source->query();
-    const Correction correction = correct(source->plan(), query, *free, options);
+    Query query = source->query();
+    const Correction correction =
+        arguments.path ? path.command(source->plan(), query) : correct(source->plan(), query, *free, options);
     std::vector<std::string> outside = outside_travel(setting->machine, query.q);
     if (outside.empty()) outside = outside_travel(setting->machine, correction.corrected);
     const bool pass = correction.status != Status::failed &&
@@ -290,6 +296,7 @@ void correct_points(const CorrectArguments& arguments, Session& session) {
       json.member(abbe::to_string(status), tally.count(status));
     }
     json.member("max_residual_um", tally.max_distance / um).member("max_residual_rad", tally.max_angle).end();
+    if (arguments.path) write_path(json, setting->machine, path.report());
     if (setting->limits.given()) json.member("pass", pass && complete);
     json.member("complete", complete).end();
     session.out.write(json.take());
@@ -298,6 +305,7 @@ void correct_points(const CorrectArguments& arguments, Session& session) {
         "\n{} points: {} ok, {} partial, {} degraded, {} failed; at most {:.6f} um and {:.3f} urad remain\n",
         tally.points, tally.count(Status::ok), tally.count(Status::partial), tally.count(Status::degraded),
         tally.count(Status::failed), tally.max_distance / um, tally.max_angle / urad));
+    if (arguments.path) session.out.write(path_text(setting->machine, path.report()));
     if (setting->limits.given()) {
       session.out.write(fmt::format("{}: {} of {} points within the limits\n", pass ? "pass" : "FAIL",
                                     tally.passed, tally.points));
@@ -313,10 +321,9 @@ Verb correct_verb(CLI::App& program, Session& session) {
   auto arguments = std::make_shared<CorrectArguments>();
   add_common_options(*command, arguments->common, session);
   add_point_options(*command, arguments->points);
-  command
-      ->add_option("--method", arguments->method,
-                   "newton iterates (default), one-step is the differential step")
-      ->check(CLI::IsMember({"newton", "one-step"}));
+  add_method_option(*command, arguments->method);
+  command->add_flag("--path", arguments->path,
+                    "the points follow each other: rotary axes go on instead of jumping by a turn");
   command->add_option("--lock", arguments->lock, "axes that stay at their command: Z1,B1")
       ->type_name("AXIS,..")
       ->allow_extra_args(false);

@@ -32,6 +32,29 @@ std::string vector_row(std::string_view name, const Vec3& v, int decimals, std::
   return row + '\n';
 }
 
+void write_path(JsonWriter& json, const Machine& machine, const PathReport& report) {
+  json.key("path").begin_object(JsonWriter::Layout::one_line);
+  json.member("points", report.points);
+  write_positions(json, "largest_step", machine, report.largest_step);
+  json.key("largest_step_at").begin_object();
+  for (int i = 0; i < machine.axis_count(); ++i)
+    json.member(machine.axis(i).name, report.largest_at[static_cast<std::size_t>(i)]);
+  json.end();
+  json.member("branch_changes", report.branch_changes).end();
+}
+
+std::string path_text(const Machine& machine, const PathReport& report) {
+  if (report.points < 2) return {};
+  std::string text = "largest step between neighbours:";
+  for (int i = 0; i < machine.axis_count(); ++i) {
+    const Body& axis = machine.axis(i);
+    const auto k = static_cast<std::size_t>(i);
+    text += fmt::format("  {} {:.6f} {} (point {})", axis.name, json_position(axis, report.largest_step[k]),
+                        axis.type == AxisType::rotary ? "deg" : "mm", report.largest_at[k]);
+  }
+  return text + fmt::format("\nbranch changes: {}\n", report.branch_changes);
+}
+
 double json_position(const Body& axis, double position) {
   return axis.type == AxisType::rotary ? position / deg : position / mm;
 }

@@ -4,6 +4,7 @@
 #include <string>
 #include <string_view>
 
+#include "abbe/chain/solve_path.h"
 #include "abbe/core/diagnostic.h"
 #include "abbe/core/linear_algebra.h"
 #include "abbe/machine/machine.h"
@@ -22,6 +23,12 @@ namespace abbe::app {
 /// The member `name`: axis positions in mm and degrees, by axis name.
 void write_positions(JsonWriter& json, std::string_view name, const Machine& machine,
                      const std::array<double, kMaxAxes>& q);
+
+/// The member `path`: the largest step of each axis between neighbours, the point that ends it (from 1),
+/// and how often the branch changed.
+void write_path(JsonWriter& json, const Machine& machine, const PathReport& report);
+/// The same for people, one line; empty for fewer than two points.
+[[nodiscard]] std::string path_text(const Machine& machine, const PathReport& report);
 
 /// Position of an axis for JSON: mm, or degrees.
 [[nodiscard]] double json_position(const Body& axis, double position);

@@ -18,6 +18,7 @@ struct Verb {
 [[nodiscard]] Verb correct_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb inverse_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb derive_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb cl_correct_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb signcheck_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb compensate_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb check_verb(CLI::App& program, Session& session);

@@ -34,7 +34,7 @@ class WrongInput : public ::testing::Test {
 };
 
 TEST(Usage, HelpAndVersionAreAnswers) {
-  for (const char* verb : {"describe", "predict", "correct", "inverse", "signcheck", "compensate", "check",
+  for (const char* verb : {"describe", "predict", "correct", "inverse", "cl-correct", "signcheck", "compensate", "check",
                            "verify", "diff", "explain"}) {
     const ProgramRun run = run_abbe({verb, "--help"});
     EXPECT_EQ(run.exit, 0) << verb;
