@@ -12,8 +12,8 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kOpenTravel = 5000;  // mm, of an axis without travels
 constexpr double kSecondOrder = 1.01;  // products of errors, which the sum above leaves out
-// Slope jumps below this (mm/mm, and rad/mm times the lever) are rounding of splines.
-constexpr double kNoJump = 1e-12;
+// Slope jumps below this (mm/mm, and rad/mm times the lever) are rounding of splines and of tabulated sines.
+constexpr double kNoJump = 1e-9;
 
 /// Largest first and second derivatives and slope jumps, one number for displacements, one for rotations.
 struct Bounds {

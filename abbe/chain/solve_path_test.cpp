@@ -8,7 +8,7 @@
 
 #include "abbe/chain/grinder_cases.h"
 #include "abbe/chain/predict.h"
-#include "abbe/chain/random_machine.h"
+#include "abbe/chain/test_random_machine.h"
 #include "abbe/machine/read_machine.h"
 
 namespace abbe {

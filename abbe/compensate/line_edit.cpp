@@ -1,6 +1,7 @@
 #include "abbe/compensate/line_edit.h"
 
 #include <bit>
+#include <cstring>
 
 namespace abbe {
 
@@ -40,23 +41,35 @@ void LineEdit::append_to(std::string& out) const {
     out += text;
     return;
   }
+  // Room for all there is, then what was written: one growth of the string instead of one per word.
+  std::size_t room = text.size() + added_.size();
+  for (std::uint64_t left = replaced_; left != 0; left &= left - 1)
+    room += numbers_[static_cast<std::size_t>(std::countr_zero(left))].size();
+  const std::size_t begin = out.size();
+  out.resize(begin + room);
+  char* to = out.data() + begin;
+  const auto write = [&to](std::string_view bytes) {
+    std::memcpy(to, bytes.data(), bytes.size());
+    to += bytes.size();
+  };
   std::size_t at = 0;
   for (std::uint64_t left = replaced_ | removed_; left != 0; left &= left - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(left));
     const Word& word = block_->words[i];
     if ((removed_ >> i & 1) != 0) {
-      std::size_t begin = word.begin;
-      while (begin > at && (text[begin - 1] == ' ' || text[begin - 1] == '\t')) --begin;
-      out += text.substr(at, begin - at);
+      std::size_t end = word.begin;
+      while (end > at && (text[end - 1] == ' ' || text[end - 1] == '\t')) --end;
+      write(text.substr(at, end - at));
     } else {
-      out += text.substr(at, word.number - at);
-      out += numbers_[i];
+      write(text.substr(at, word.number - at));
+      write(numbers_[i]);
     }
     at = word.end;
   }
-  out += text.substr(at, block_->words_end - at);
-  out += added_;
-  out += text.substr(block_->words_end);
+  write(text.substr(at, block_->words_end - at));
+  write(added_);
+  write(text.substr(block_->words_end));
+  out.resize(static_cast<std::size_t>(to - out.data()));
 }
 
 }  // namespace abbe

@@ -183,12 +183,10 @@ double append_fixed(std::string& out, double value, int decimals) {
   if (!exact || decimals > kMaxScaledDecimals) return append_fixed_slow(out, value, decimals);
 
   const bool negative = value < 0 && n != 0;
-  std::array<char, kScaledSize> buffer{};
+  std::array<char, kScaledSize> buffer;
   buffer[0] = '-';
   const std::size_t sign = negative ? 1 : 0;
-  const std::size_t end = out.size() + sign + write_scaled(buffer.data() + sign, n, decimals);
-  out.append(buffer.data(), kScaledSize);  // one size for all is faster
-  out.resize(end);
+  out.append(buffer.data(), sign + write_scaled(buffer.data() + sign, n, decimals));
   // n <= 2^52 and 10^decimals are exact: this is the double nearest to what was written.
   const double seen = static_cast<double>(n) / kPower10[static_cast<std::size_t>(decimals)];
   return negative ? -seen : seen;

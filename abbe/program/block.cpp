@@ -65,6 +65,25 @@ bool read_spaced_number(std::string_view text, std::size_t at, Word& word, std::
   return true;
 }
 
+/// The usual word: a letter, at once its number, then the end or a blank and a letter. False: nothing was read.
+bool read_plain_word(std::string_view text, std::size_t& at, Block& block) {
+  if (block.count == Block::kMaxWords) return false;
+  const Decimal decimal = read_decimal(text.substr(at + 1));
+  const std::size_t end = at + 1 + decimal.length;
+  const std::size_t next = end + (end < text.size() && text[end] == ' ' ? 1 : 0);
+  if (decimal.length == 0 || (next < text.size() && (text[next] < 'A' || text[next] > 'Z'))) return false;
+  Word& word = block.words[static_cast<std::size_t>(block.count++)];
+  word.letter = text[at];
+  word.tidy = true;
+  word.begin = static_cast<std::uint16_t>(at);
+  word.number = static_cast<std::uint16_t>(at + 1);
+  word.end = block.words_end = static_cast<std::uint16_t>(end);
+  word.decimals = static_cast<std::uint16_t>(decimal.decimals);
+  word.value = decimal.value;
+  at = next;
+  return true;
+}
+
 BlockError no_number(char letter, std::size_t at) {
   return {"E-NUMBER", at, 1, fmt::format("the letter {} is not followed by a number", letter),
           "a word is a letter and a number", "complete the word or remove it"};
@@ -101,9 +120,16 @@ std::optional<BlockError> read_block(std::string_view line, Block& block) {
     block.slash_end = block.words_end = static_cast<std::uint16_t>(at + 1);
     ++at;
   }
-  while ((at = skip_blanks(text, at)) < text.size()) {
+  while (at < text.size()) {
     const char c = text[at];
-    switch (kind_of(c)) {
+    if (c == ' ') {
+      ++at;
+      continue;
+    }
+    if (c >= 'A' && c <= 'Z' && read_plain_word(text, at, block)) continue;
+    at = skip_blanks(text, at);
+    if (at == text.size()) break;
+    switch (kind_of(text[at])) {
       case Kind::semicolon:
         block.has_comment = true;
         return std::nullopt;
@@ -128,7 +154,7 @@ std::optional<BlockError> read_block(std::string_view line, Block& block) {
                             "no control accepts such a block", "break the block into several"};
         }
         Word& word = block.words[static_cast<std::size_t>(block.count)];
-        word.letter = c >= 'a' ? static_cast<char>(c - 'a' + 'A') : c;
+        word.letter = text[at] >= 'a' ? static_cast<char>(text[at] - 'a' + 'A') : text[at];
         word.begin = static_cast<std::uint16_t>(at);
         word.tidy = true;
         std::size_t number = at + 1;

@@ -162,6 +162,7 @@ std::uint32_t used_letters(const Instruction& in, const Block& block) {
   if (in.motion == 740 || in.motion == 820 || in.motion == 840 || in.motion == 860 || in.motion == 890) used |= bit('P');
   for (int i = 0; i < block.count; ++i) {
     const Word& word = block.words[static_cast<std::size_t>(i)];
+    if (word.letter != 'G' && word.letter != 'M') continue;
     if (word.letter == 'G' && word.value == 64) used |= bit('P') | bit('Q');
     if (word.letter == 'G' && word.value == 96) used |= bit('D');
     if (word.letter == 'M' && word.value == 61) used |= bit('Q');

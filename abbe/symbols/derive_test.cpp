@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "abbe/chain/predict.h"
-#include "abbe/chain/random_machine.h"
+#include "abbe/chain/test_random_machine.h"
 #include "abbe/chain/walk.h"
 #include "abbe/machine/read_machine.h"
 #include "abbe/symbols/write_expression.h"

@@ -281,7 +281,7 @@ void Comparison::update_context() {
     stop_ = true;
     return;
   }
-  straight_reach_ = std::min(model_.straight_reach(kBend * job_.tolerance), kLongest);
+  look_up_straight_reach();
   datum_ = Vec3::Zero();
   if (job_.datum != DatumRule::probed) return;
   const Frames& frames = original_.frames();

@@ -55,6 +55,7 @@ class Comparison {
 
   // cover.cpp: feed motions
   struct Cover;
+  void look_up_straight_reach();
   void cover(const Motion& original);
   bool cover_piece(Cover& cover, const Motion& piece);
   void follow_along(const Cover& cover, double t);

@@ -72,6 +72,10 @@ struct Comparison::Cover {
   [[nodiscard]] bool violated() const { return worst > 0 || worst_back > 0; }
 };
 
+void Comparison::look_up_straight_reach() {
+  straight_reach_ = std::min(model_.straight_reach(kBend * job_.tolerance), kInterval);
+}
+
 void Comparison::cover(const Motion& original) {
   withheld_ &= ~commanded(original);
   Cover cover(model_, original, datum_);
