@@ -55,9 +55,8 @@ Scaled scale(double magnitude, int decimals) {
   if (!(p < static_cast<double>(kTwo52))) return {};
   auto n = static_cast<std::uint64_t>(static_cast<std::int64_t>(p));
   const double fraction = p - static_cast<double>(n);
-  if (fraction > 0.5) {
-    ++n;
-  } else if (fraction == 0.5) {
+  n += static_cast<std::uint64_t>(fraction > 0.5);  // not a branch: it could not be predicted
+  if (fraction == 0.5) {
     const double r = std::fma(magnitude, power, -p);
     if (r > 0 || (r == 0 && n % 2 == 1)) ++n;
   }

@@ -18,6 +18,8 @@ bool refuse(Fault& fault, std::size_t column, std::size_t length, const char* co
 constexpr Letters kValueLetters =
     letters('N', 'T', 'S', 'F', 'D', 'H', 'L', 'P', 'Q', 'R', 'X', 'Y', 'Z', 'I', 'J', 'K');
 
+constexpr Letters kPlainLetters = kValueLetters & ~letters('N');
+
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t'; }
 constexpr bool is_number_start(char c) { return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-'; }
 
@@ -184,7 +186,7 @@ class Scanner {
       }
       const char upper = static_cast<char>(static_cast<unsigned char>(c) & 0xDFu);
       if (upper >= 'A' && upper <= 'Z') {
-        if (!plain_word(upper) && !word(upper, first)) return false;
+        if (!plain_words() && !word(upper, first)) return false;
         first = false;
       } else if (c == '(' || c == ';') {
         if (!comment(c)) return false;
@@ -236,20 +238,29 @@ class Scanner {
                   "their value is known only to the control", "post the program with literal numbers");
   }
 
-  /// The usual word: a value letter, at once its number, then the end or a blank and the next word.
-  /// False: nothing was read.
-  bool plain_word(char letter) {
-    const Letters bit = letter_bit(letter);
-    if ((kValueLetters & bit) == 0 || letter == 'N' || (block_.words & bit) != 0) return false;
-    const Decimal number = read_decimal(line_.substr(at_ + 1));
-    std::size_t next = at_ + 1 + number.length;
-    if (next < line_.size() && line_[next] == ' ') ++next;
-    const bool ends = next == line_.size() || (line_[next] >= 'A' && line_[next] <= 'Z');
-    if (number.length == 0 || !ends || !(std::abs(number.value) <= kMaxNumber)) return false;
-    block_.words |= bit;
-    block_.value[static_cast<std::size_t>(letter - 'A')] = number.value;
-    block_.column[static_cast<std::size_t>(letter - 'A')] = static_cast<std::uint8_t>(at_ + 1);
-    at_ = next;
+  /// Usual words: a value letter, at once its number, then the end or a blank and the next letter. Reads as
+  /// many as there are; false: none.
+  bool plain_words() {
+    const char* const begin = line_.data();
+    const char* const end = begin + line_.size();
+    const char* p = begin + at_;
+    Letters words = block_.words;
+    while (p != end) {
+      const auto letter = static_cast<unsigned>(*p) - 'A';
+      if (letter >= 26 || (kPlainLetters & ~words & (Letters{1} << letter)) == 0) break;
+      const Decimal number = read_decimal({p + 1, static_cast<std::size_t>(end - p - 1)});
+      const char* next = p + 1 + number.length;
+      if (next != end && *next == ' ') ++next;
+      const bool ends = next == end || static_cast<unsigned>(*next) - 'A' < 26;
+      if (number.length == 0 || !ends || !(std::abs(number.value) <= kMaxNumber)) break;
+      words |= Letters{1} << letter;
+      block_.value[letter] = number.value;
+      block_.column[letter] = static_cast<std::uint8_t>(p - begin + 1);
+      p = next;
+    }
+    if (p == begin + at_) return false;
+    block_.words = words;
+    at_ = static_cast<std::size_t>(p - begin);
     return true;
   }
 
