@@ -69,6 +69,12 @@ void walk_first_order(const FlatView& plan, const Setting& setting, State<V>& st
         f.e = op.inverse ? f.e - e : f.e + e;
         break;
       }
+      case Kind::fixed_twist: {
+        const Triple<V> e = broadcast<V>(op.a);
+        f.dp = f.dp + broadcast<V>(op.u) + cross(e, f.p);
+        f.e = f.e + e;
+        break;
+      }
       default:
         step<V, false>(plan, op, setting, state, f.p, f.a);
         continue;

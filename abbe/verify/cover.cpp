@@ -150,7 +150,9 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   }
 
   const double before_piece = std::clamp(cover.last_s, 0.0, 1.0);
-  const bool looks_inside = piece_length > straight_reach_ || piece.kind == MotionKind::arc ||
+  // A motion shorter than what is allowed has no inside: it may be all lost motion taken up.
+  const bool tiny = job_.reversal && cover.length <= cover.allowed;
+  const bool looks_inside = (piece_length > straight_reach_ && !tiny) || piece.kind == MotionKind::arc ||
                             original.kind == MotionKind::arc;
   double intervals = 1;
   if (looks_inside) {
