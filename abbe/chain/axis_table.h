@@ -32,7 +32,15 @@ struct AxisTable {
   double period = 0, period_lo = 0;  ///< > 0: the position is taken into [period_lo, period_lo + period)
   double waves_lo = 0, waves_hi = 0;
   std::uint32_t first_wave = 0, wave_count = 0;
+  /// 0: always. +1, -1: of the error in this direction of approach of an axis: counts fully if that is the
+  /// direction, half if none is known, else not at all.
+  std::int8_t direction = 0, direction_axis = 0;
 };
+
+/// How much a table counts for a direction of approach (-1, 0, +1).
+[[nodiscard]] constexpr double weight_of(int direction, int approach) {
+  return direction == 0 || approach == direction ? 1.0 : approach == 0 ? 0.5 : 0.0;
+}
 
 /// component += amplitude sin(frequency x + phase), x held in [lo, hi]; internal units.
 struct Wave {

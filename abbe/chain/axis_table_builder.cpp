@@ -62,6 +62,11 @@ template <class F>
 class Leaf {
  public:
   Leaf(const AxisLeaf& source, double unit) : component(source.component) {
+    if (source.node == nullptr) {
+      knots.push_back(0);
+      pieces.push_back({source.factor});
+      return;
+    }
     using Form = ErrorFunction::Form;
     namespace detail = error_function_detail;
     const ErrorFunction::Node& node = *source.node;
@@ -130,14 +135,16 @@ class Leaf {
 
 class AxisTableBuilder {
  public:
-  AxisTableBuilder(Plan::Impl& plan, int axis, std::vector<Leaf> leaves,
-               const std::array<double, kComponents>& constant)
+  AxisTableBuilder(Plan::Impl& plan, int axis, ApproachKey approach, std::vector<Leaf> leaves,
+                   const std::array<double, kComponents>& constant)
       : plan_(plan), leaves_(std::move(leaves)), constant_(constant) {
     table_.axis = axis;
+    table_.direction = static_cast<std::int8_t>(approach.direction);
+    table_.direction_axis = static_cast<std::int8_t>(approach.axis);
   }
 
   void append() {
-    table_.period = leaves_.front().period;
+    table_.period = leaves_.empty() ? 0 : leaves_.front().period;
     set_ends();
     choose_knots();
     write_segments();
@@ -289,9 +296,11 @@ void append_tables(Plan::Impl& plan, int axis, std::span<const AxisLeaf> leaves,
     const double start = leaf.period > 0 ? leaf.knots.front() : 0;
     kinds[{leaf.period, start}].push_back(std::move(leaf));
   }
+  const ApproachKey approach = leaves.empty() ? ApproachKey{} : leaves.front().approach;
+  if (leaves.empty()) kinds[{0.0, 0.0}] = {};
   std::array<double, kComponents> first = constant;
   for (auto& [kind, members] : kinds) {
-    AxisTableBuilder(plan, axis, std::move(members), first).append();
+    AxisTableBuilder(plan, axis, approach, std::move(members), first).append();
     first = {};
   }
 }

@@ -63,7 +63,8 @@ TEST(Bend, WhatIsNotTabulatedHasNoReach) {
   RandomMachine random(42);
   Machine machine = with_tabulated_errors(random);
   ASSERT_FALSE(machine.errors.empty());
-  machine.errors[0].function = ErrorFunction::directional(0, ErrorFunction::constant(1), ErrorFunction::constant(2));
+  machine.errors[0].function = ErrorFunction::product(
+      {*ErrorFunction::polynomial(0, {0, 1}), *ErrorFunction::polynomial(1, {0, 1})});
   EXPECT_EQ(straight_reach(std::get<Plan>(make_plan(machine, kWarm)), tool_of(machine), 1e-3), 0);
 }
 

@@ -26,11 +26,12 @@ class FunctionSorter {
     return std::all_of(used.begin(), used.end(), [&](int v) { return is_sensor(v); });
   }
 
-  /// nullopt if the function is more than a sum of polynomials, tables and sines of positions.
+  /// nullopt if the function is more than a sum of polynomials, tables and sines of positions, each perhaps for one
+  /// direction of approach.
   [[nodiscard]] std::optional<PiecewiseSum> as_sum(const ErrorFunction& f, bool& outside) const {
     PiecewiseSum sum;
     if (f.nodes().empty()) return sum;
-    if (!add(f, static_cast<std::uint32_t>(f.nodes().size() - 1), 1.0, sum, outside)) return std::nullopt;
+    if (!add(f, static_cast<std::uint32_t>(f.nodes().size() - 1), 1.0, {}, sum, outside)) return std::nullopt;
     return sum;
   }
 
@@ -41,8 +42,20 @@ class FunctionSorter {
     return machine_.variables[static_cast<std::size_t>(variable)].kind == Variable::Kind::sensor;
   }
 
-  [[nodiscard]] bool add(const ErrorFunction& f, std::uint32_t index, double factor, PiecewiseSum& sum,
-                         bool& outside) const {
+  [[nodiscard]] bool is_position(int variable) const {
+    return machine_.variables[static_cast<std::size_t>(variable)].kind == Variable::Kind::position;
+  }
+
+  static void add_constant(double value, ApproachKey approach, PiecewiseSum& sum) {
+    if (approach.direction == 0) {
+      sum.constant += value;
+    } else {
+      sum.leaves.push_back({nullptr, nullptr, value, 0, approach});
+    }
+  }
+
+  [[nodiscard]] bool add(const ErrorFunction& f, std::uint32_t index, double factor, ApproachKey approach,
+                         PiecewiseSum& sum, bool& outside) const {
     const ErrorFunction::Node& node = f.nodes()[index];
     switch (node.form) {
       case Form::constant:
@@ -51,17 +64,16 @@ class FunctionSorter {
       case Form::cubic:
       case Form::sine: {
         if (const std::optional<double> value = frozen_value(f, index, outside)) {
-          sum.constant += factor * *value;
+          add_constant(factor * *value, approach, sum);
           return true;
         }
-        if (machine_.variables[static_cast<std::size_t>(node.variable)].kind != Variable::Kind::position)
-          return false;
-        sum.leaves.push_back({&f, &node, factor, 0});
+        if (!is_position(node.variable)) return false;
+        sum.leaves.push_back({&f, &node, factor, 0, approach});
         return true;
       }
       case Form::sum:
         for (std::uint32_t i = 0; i < node.count; ++i) {
-          if (!add(f, f.children()[node.first_child + i], factor, sum, outside)) return false;
+          if (!add(f, f.children()[node.first_child + i], factor, approach, sum, outside)) return false;
         }
         return true;
       case Form::product: {
@@ -76,9 +88,15 @@ class FunctionSorter {
             varying = child;
           }
         }
-        if (varying.has_value()) return add(f, *varying, factor, sum, outside);
-        sum.constant += factor;
+        if (varying.has_value()) return add(f, *varying, factor, approach, sum, outside);
+        add_constant(factor, approach, sum);
         return true;
+      }
+      case Form::directional: {
+        // A choice inside a choice stays a function.
+        if (approach.direction != 0 || !is_position(node.variable)) return false;
+        return add(f, f.children()[node.first_child], factor, {+1, node.variable}, sum, outside) &&
+               add(f, f.children()[node.first_child + 1], factor, {-1, node.variable}, sum, outside);
       }
       default:
         return false;
@@ -119,7 +137,7 @@ class GroupBuilder {
  private:
   struct Draft {
     Group group;
-    std::map<int, std::vector<AxisLeaf>> leaves;  // by axis
+    std::map<std::pair<ApproachKey, int>, std::vector<AxisLeaf>> leaves;  // by direction of approach and axis
     std::vector<GeneralTerm> terms;
   };
 
@@ -145,8 +163,9 @@ class GroupBuilder {
     plan_.constant_outside = plan_.constant_outside || outside;
     draft.group.constant[component] += error.scale * sum->constant;
     for (const AxisLeaf& leaf : sum->leaves) {
-      draft.leaves[leaf.node->variable].push_back(
-          {leaf.function, leaf.node, leaf.factor * error.scale, error.name.direction});
+      const int axis = leaf.node != nullptr ? leaf.node->variable : leaf.approach.axis;
+      draft.leaves[{leaf.approach, axis}].push_back(
+          {leaf.function, leaf.node, leaf.factor * error.scale, error.name.direction, leaf.approach});
     }
   }
 
@@ -162,9 +181,16 @@ class GroupBuilder {
       }
     }
     group.first_table = static_cast<std::uint32_t>(plan_.tables.size());
-    for (const auto& [axis, leaves] : draft.leaves) {
-      const bool first = plan_.tables.size() == group.first_table;
-      append_tables(plan_, axis, leaves, first ? group.constant : std::array<double, kComponents>{});
+    // The first table always counts and has the constants.
+    const auto plain = std::find_if(draft.leaves.begin(), draft.leaves.end(),
+                                    [](const auto& entry) { return entry.first.first.direction == 0; });
+    if (plain != draft.leaves.end()) {
+      append_tables(plan_, plain->first.second, plain->second, group.constant);
+    } else if (!draft.leaves.empty()) {
+      append_tables(plan_, draft.leaves.begin()->first.second, {}, group.constant);
+    }
+    for (auto entry = draft.leaves.begin(); entry != draft.leaves.end(); ++entry) {
+      if (entry != plain) append_tables(plan_, entry->first.second, entry->second, {});
     }
     group.table_count = static_cast<std::uint32_t>(plan_.tables.size()) - group.first_table;
     group.first_term = static_cast<std::uint32_t>(plan_.terms.size());

@@ -124,8 +124,11 @@ inline void evaluate(const Plan::Impl& plan, const Group& group, const Inputs<T>
   Six<T> sum;
   if (group.table_count > 0) {
     sum = evaluate<T>(plan, plan.tables[group.first_table], in, outside);
-    for (std::uint32_t b = 1; b < group.table_count; ++b)
-      sum += evaluate<T>(plan, plan.tables[group.first_table + b], in, outside);
+    for (std::uint32_t b = 1; b < group.table_count; ++b) {
+      const AxisTable& table = plan.tables[group.first_table + b];
+      const double weight = weight_of(table.direction, in.approach == nullptr ? 0 : in.approach[table.direction_axis]);
+      if (weight != 0) sum += evaluate<T>(plan, table, in, outside) * T(weight);
+    }
   } else {
     sum = Eigen::Map<const Six<double>>(group.constant.data()).template cast<T>();
   }

@@ -169,6 +169,8 @@ std::shared_ptr<const FlatPlan> FlatPlan::make(const Plan& plan) {
     to.segments = table.segments;
     to.wave_count = table.wave_count;
     to.axis = table.axis;
+    to.direction = table.direction;
+    to.direction_axis = table.direction_axis;
   }
   for (const Group& group : impl.groups) {
     FlatGroup& to = data.groups.emplace_back();

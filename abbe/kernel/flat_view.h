@@ -43,6 +43,7 @@ struct FlatTable {
   double period = 0, period_lo = 0;
   std::uint32_t row_count = 1, segments = 1, wave_count = 0;
   int axis = 0;
+  std::int8_t direction = 0, direction_axis = 0;
 };
 
 struct FlatGroup {

@@ -12,6 +12,7 @@ struct Setting {
   double tip[3] = {0, 0, 0};   ///< of the tool, bed frame at home, mm
   double axis[3] = {0, 0, 1};  ///< from the tip to the spindle
   double shift[3] = {0, 0, 0};  ///< the tip shall reach nominal + shift, workpiece axes, mm
+  signed char approach[kMaxFlatAxes] = {};  ///< -1, 0, +1 per axis: direction of the last motion
   std::uint32_t free = 0;       ///< axes that correct_poses may move
   int exact_steps = 1;          ///< 0: first order only
   double max_rotary = 8.726646259971648e-03;  ///< larger rotary corrections are unusual; 0.5 deg

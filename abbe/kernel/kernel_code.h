@@ -45,6 +45,7 @@ void store(double* to, std::size_t first, std::size_t count, V v) {
 template <class V>
 struct State {
   V q[kMaxFlatAxes];
+  const signed char* approach = nullptr;
   unsigned outside = 0;
 };
 
@@ -155,9 +156,12 @@ template <class V>
   } else {
     read_table(group.tables[0], state, six);
     for (std::uint32_t b = 1; b < group.table_count; ++b) {
+      const FlatTable& table = group.tables[b];
+      const double weight = weight_of(table.direction, state.approach[table.direction_axis]);
+      if (weight == 0) continue;
       V more[kComponents];
-      read_table(group.tables[b], state, more);
-      for (int k = 0; k < kComponents; ++k) six[k] = six[k] + more[k];
+      read_table(table, state, more);
+      for (int k = 0; k < kComponents; ++k) six[k] = six[k] + more[k] * weight;
     }
   }
   d = {six[0], six[1], six[2]};
@@ -295,6 +299,7 @@ template <class V>
 void tips_of(const FlatView& plan, const Setting& setting, const Source& from, double* const* tip,
              unsigned char* lanes) {
   State<V> state;
+  state.approach = setting.approach;
   for (int i = 0; i < plan.axis_count; ++i) state.q[i] = load<V>(from, i);
   Triple<V> p, a;
   walk_actual<V, false>(plan, setting, state, p, a);

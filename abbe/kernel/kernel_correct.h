@@ -165,6 +165,7 @@ template <class V>
 void correct_packet(const FlatView& plan, const Setting& setting, const FreeAxes& axes, const Source& from,
                     double* const* corrected, double* last, unsigned char* lanes) {
   State<V> state;
+  state.approach = setting.approach;
   for (int i = 0; i < plan.axis_count; ++i) state.q[i] = load<V>(from, i);
   FirstOrder<V> f;
   walk_first_order(plan, setting, state, f);

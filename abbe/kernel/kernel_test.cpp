@@ -48,6 +48,7 @@ Setting setting_of(const Query& query) {
     setting.tip[k] = query.tool.tip[k];
     setting.axis[k] = query.tool.axis[k];
   }
+  std::copy(query.approach.begin(), query.approach.end(), setting.approach);
   return setting;
 }
 
@@ -84,6 +85,7 @@ TEST(Kernels, TipsOfAllKernelsAreTheGeneralTips) {
         // Near each other, apart, and far beyond tables and travels.
         queries.push_back(i < 9 ? first : random.query(machine, i % 4 == 0 ? 3000 : 300));
         queries.back().tool = first.tool;
+        queries.back().approach = first.approach;
         queries.back().q[0] += 0.001 * i;
       }
       const Batch batch(queries, flat->view().axis_count);
@@ -144,6 +146,7 @@ TEST(Kernels, CorrectPosesConvergesToTheCorrection) {
     for (int i = 0; i < 21; ++i) {
       queries.push_back(random.query(machine, 200, 1.2));
       queries.back().tool = queries.front().tool;
+      queries.back().approach = queries.front().approach;
     }
     const Batch batch(queries, machine.axis_count());
     Setting setting = setting_of(queries.front());

@@ -1,16 +1,21 @@
 #include "abbe/kernel/tip_function.h"
 
+#include <cstring>
+
 namespace abbe::kernel {
 namespace {
+
+static_assert(sizeof(Setting::approach) == sizeof(Query::approach));
 
 [[nodiscard]] Vec3 finite_or_zero(const Vec3& tip) {
   const double sum = tip.sum();
   return sum - sum == 0 ? tip : Vec3(Vec3::Zero());
 }
 
-[[nodiscard]] Setting setting_of(const Tool& tool) {
+[[nodiscard]] Setting setting_of(const Query& query) {
   Setting setting;
-  for (int k = 0; k < 3; ++k) setting.tip[k] = tool.tip[k];
+  for (int k = 0; k < 3; ++k) setting.tip[k] = query.tool.tip[k];
+  std::memcpy(setting.approach, query.approach.data(), sizeof setting.approach);
   return setting;
 }
 
@@ -19,7 +24,7 @@ namespace {
 Vec3 TipFunction::operator()(const Query& query, bool* outside) const {
   if (flat_ == nullptr) return actual_tip(plan_, query, outside);
   const FlatView& view = flat_->view();
-  const Setting setting = setting_of(query.tool);
+  const Setting setting = setting_of(query);
   std::array<const double*, kMaxFlatAxes> q;
   for (std::size_t i = 0; i < static_cast<std::size_t>(view.axis_count); ++i) q[i] = &query.q[i];
   Vec3 tip;
@@ -44,7 +49,7 @@ TipFunction::Two TipFunction::two(Query& query, const std::array<std::size_t, 3>
     return tips;
   }
   const FlatView& view = flat_->view();
-  const Setting setting = setting_of(query.tool);
+  const Setting setting = setting_of(query);
   double pairs[kMaxFlatAxes][2];
   std::array<const double*, kMaxFlatAxes> q;
   for (std::size_t i = 0; i < static_cast<std::size_t>(view.axis_count); ++i) {

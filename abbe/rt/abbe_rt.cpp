@@ -82,8 +82,8 @@ std::unique_ptr<abbe_rt_model> load(const char* machine_file, const char* sensor
   const Plan::Impl& impl = std::get<Plan>(plan).impl();
   model->flat = kernel::FlatPlan::make(std::get<Plan>(plan));
   if (model->flat == nullptr) {
-    why = "some error depends on several axes, on the direction of approach or on a velocity, or is frozen outside "
-          "its domain: the real-time core knows functions of one position only";
+    why = "some error depends on several axes or on a velocity, or is frozen outside its domain: the real-time core "
+          "knows functions of one position only";
     return nullptr;
   }
   model->kernel = &kernel::best();

@@ -37,8 +37,9 @@ int abbe_rt_version(void);
 /* Reads a machine file. `sensors`: values of sensors and t, "T1=23.4,t=0", or NULL. Which axes correct is decided
  * as by `abbe correct`: three linear and up to two rotary ones.
  * errors  NULL, with the reasons in `message` (cut to `size` bytes, always ended; NULL: not wanted): what
- *         `abbe predict` says of the file, and machines that need the general model: errors of several axes, of
- *         the direction of approach or of velocities, fewer than three linear axes */
+ *         `abbe predict` says of the file, and machines that need the general model: errors of several axes or
+ *         of velocities, fewer than three linear axes
+ * Errors that depend on the direction of approach count with the mean of both. */
 abbe_rt_model* abbe_rt_load(const char* machine_file, const char* sensors, char* message, size_t size);
 void abbe_rt_free(abbe_rt_model* model);
 

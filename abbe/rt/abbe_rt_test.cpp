@@ -217,9 +217,15 @@ TEST(RealTime, WhyAMachineIsNotLoaded) {
   const Model two_axes("format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Z t\"\n[errors]\nEXX = 1\n");
   EXPECT_EQ(two_axes.model, nullptr);
   EXPECT_NE(two_axes.why.find("three linear"), std::string::npos);
-  const Model direction(head + "EXX = { forward = { poly = [1] }, backward = { poly = [2] } }\n");
-  EXPECT_EQ(direction.model, nullptr);
-  EXPECT_NE(direction.why.find("approach"), std::string::npos);
+  const Model several(head + "EXX = { poly = [0, 1], of = \"X\", times = { poly = [0, 1], of = \"Y\" } }\n");
+  EXPECT_EQ(several.model, nullptr);
+  EXPECT_NE(several.why.find("several axes"), std::string::npos);
+  const Model direction(head + "EXX = { forward = { poly = [1] }, backward = { poly = [2] } }\n", nullptr);
+  ASSERT_NE(direction.model, nullptr) << direction.why;
+  const std::array<double, 3> at = {10, 20, 30};
+  std::array<double, 3> corrected{};
+  EXPECT_EQ(abbe_rt_correct(direction.model, at.data(), 0, corrected.data(), nullptr), ABBE_RT_OK);
+  EXPECT_NEAR(corrected[0], 10 - 1.5e-3, 1e-9);  // the mean of 1 and 2 um
   const Model simple(head + "EXX = { poly = [1, 0.1] }\n", nullptr);
   EXPECT_NE(simple.model, nullptr) << simple.why;
 }
