@@ -2,90 +2,64 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <utility>
 
 #include "abbe/chain/plan_impl.h"
-#include "abbe/kernel/flat_plan.h"
-#include "abbe/kernel/kernel.h"
 #include "abbe/volume/parallel.h"
+#include "abbe/volume/statistics.h"
 
 namespace abbe {
 namespace {
+
+/// The largest value so far and the place where it was reached first.
+struct Largest {
+  double value = -1, place_value = -1;
+  std::size_t at = 0;
+  void add(double v, double at_place, std::size_t place) {
+    value = std::max(value, v);
+    if (at_place > place_value + kSameValue) place_value = at_place, at = place;
+  }
+  void add(double v, std::size_t place) { add(v, v, place); }
+  void add(const Largest& other) { add(other.value, other.place_value, other.at); }
+};
 
 /// Sums over the points of one chunk.
 struct ChunkSums {
   Vec3 squares = Vec3::Zero();
   double without = 0;
-  double max = -1, max_tilt = -1;
-  std::size_t at = 0, at_tilt = 0;
-};
+  Largest length, tilt;
 
-/// The machine with one error only, ready for batches.
-struct SingleError {
-  Plan plan;
-  std::shared_ptr<const kernel::FlatPlan> flat;
-  bool rotates;
-};
-
-/// Positions of a chunk by axis, and tips by component.
-struct Batch {
-  std::vector<std::vector<double>> q;
-  std::vector<const double*> columns;
-  std::array<std::vector<double>, 3> tip;
-  std::vector<unsigned char> lanes;
-};
-
-/// Tips of the chunk by a kernel; points stand side by side.
-void tips_by_kernel(const kernel::FlatPlan& flat, const VolumeGrid& grid, ChunkRange range, const Tool& tool,
-                    std::vector<Vec3>& tips) {
-  const std::size_t axes = grid.positions.size(), count = range.last - range.first;
-  Batch batch;
-  batch.q.assign(axes, std::vector<double>(count));
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::array<double, kMaxAxes> q = grid.at(range.first + i);
-    for (std::size_t a = 0; a < axes; ++a) batch.q[a][i] = q[a];
+  void add(const ChunkSums& other) {
+    squares += other.squares;
+    without += other.without;
+    length.add(other.length);
+    tilt.add(other.tilt);
   }
-  for (const std::vector<double>& column : batch.q) batch.columns.push_back(column.data());
-  for (std::vector<double>& column : batch.tip) column.resize(count);
-  batch.lanes.assign(count, kernel::Lane::ordinary);
-  kernel::Setting setting;
-  for (int k = 0; k < 3; ++k) setting.tip[k] = tool.tip[k];
-  const std::array<double*, 3> to = {batch.tip[0].data(), batch.tip[1].data(), batch.tip[2].data()};
-  kernel::best().tips(flat.view(), setting, batch.columns.data(), count, to.data(), batch.lanes.data());
-  for (std::size_t i = 0; i < count; ++i) tips[i] = {batch.tip[0][i], batch.tip[1][i], batch.tip[2][i]};
-}
+};
 
-[[nodiscard]] ChunkSums sums_of(const SingleError& single, const VolumeGrid& grid,
+/// `single` has one error only. The general walk, not the kernels: every processor gives the same bytes.
+[[nodiscard]] ChunkSums sums_of(const Plan& single, bool rotates, const VolumeGrid& grid,
                                 const FieldCircumstances& circumstances, const DeviationField& field,
                                 ChunkRange range) {
-  ChunkSums part;
-  std::vector<Vec3> tips(range.last - range.first);
-  // A displacement tilts nothing: the tip is enough.
-  const bool by_kernel = !single.rotates && single.flat != nullptr;
-  if (by_kernel) tips_by_kernel(*single.flat, grid, range, circumstances.tool, tips);
+  ChunkSums sums;
   Query query;
   query.approach = circumstances.approach;
   query.tool = circumstances.tool;
   for (std::size_t i = range.first; i < range.last; ++i) {
-    Vec3& tip = tips[i - range.first];
-    if (!by_kernel) query.q = grid.at(i);
-    if (single.rotates) {
-      const Pose actual = actual_pose(single.plan, query);
+    query.q = grid.at(i);
+    Vec3 tip;
+    if (rotates) {
+      const Pose actual = actual_pose(single, query);
       tip = actual.p;
-      const double tilt =
-          angle_between(nominal_pose(single.plan, query).R * query.tool.axis, actual.R * query.tool.axis);
-      if (tilt > part.max_tilt) part.max_tilt = tilt, part.at_tilt = i;
-    } else if (!by_kernel) {
-      tip = actual_tip(single.plan, query);
+      sums.tilt.add(angle_between(field.nominal_axis[i], actual.R * query.tool.axis), i);
+    } else {
+      tip = actual_tip(single, query);  // a displacement tilts nothing
     }
     const Vec3 d = tip - field.nominal[i];
-    const double length = d.norm();
-    part.squares += d.cwiseAbs2();
-    part.without += (field.deviation[i] - d).squaredNorm();
-    if (length > part.max) part.max = length, part.at = i;
+    sums.squares += d.cwiseAbs2();
+    sums.without += (field.deviation[i] - d).squaredNorm();
+    sums.length.add(d.norm(), i);
   }
-  return part;
+  return sums;
 }
 
 }  // namespace
@@ -96,17 +70,16 @@ std::vector<ErrorShare> error_budget(const Plan& plan, const VolumeGrid& grid,
   const Plan::Impl& impl = plan.impl();
   const std::size_t errors = plan.machine().errors.size();
   const std::size_t points = field.nominal.size(), chunks = chunk_count(points);
-  std::vector<SingleError> singles;
-  for (std::size_t e = 0; e < errors; ++e) {
-    Plan alone = compile_plan(impl.machine, impl.variables, impl.model, static_cast<int>(e));
-    auto flat = kernel::FlatPlan::make(alone);
-    singles.push_back({std::move(alone), std::move(flat), plan.machine().errors[e].name.is_rotation()});
-  }
+  std::vector<Plan> singles;
+  for (std::size_t e = 0; e < errors; ++e)
+    singles.push_back(compile_plan(impl.machine, impl.variables, impl.model, static_cast<int>(e)));
   std::vector<ChunkSums> parts(errors * chunks);
   const bool complete = for_each_chunk(
       parts.size(), circumstances.threads,
       [&](std::size_t k) {
-        parts[k] = sums_of(singles[k / chunks], grid, circumstances, field, chunk_range(k % chunks, points));
+        const std::size_t e = k / chunks;
+        parts[k] = sums_of(singles[e], plan.machine().errors[e].name.is_rotation(), grid, circumstances,
+                           field, chunk_range(k % chunks, points));
       },
       progress, done_before, total);
   if (!complete || points == 0) return {};
@@ -114,23 +87,17 @@ std::vector<ErrorShare> error_budget(const Plan& plan, const VolumeGrid& grid,
   std::vector<ErrorShare> shares;
   for (std::size_t e = 0; e < errors; ++e) {
     ChunkSums sum;
-    for (std::size_t c = 0; c < chunks; ++c) {
-      const ChunkSums& part = parts[e * chunks + c];
-      sum.squares += part.squares;
-      sum.without += part.without;
-      if (part.max > sum.max) sum.max = part.max, sum.at = part.at;
-      if (part.max_tilt > sum.max_tilt) sum.max_tilt = part.max_tilt, sum.at_tilt = part.at_tilt;
-    }
+    for (std::size_t c = 0; c < chunks; ++c) sum.add(parts[e * chunks + c]);
     const double n = static_cast<double>(points);
     ErrorShare share;
     share.error = e;
-    share.max = sum.max;
-    share.at = sum.at;
+    share.max = sum.length.value;
+    share.at = sum.length.at;
     share.rms = std::sqrt(sum.squares.sum() / n);
     share.rms_component = (sum.squares / n).cwiseSqrt();
     share.rms_without = std::sqrt(sum.without / n);
-    share.max_tilt = std::max(sum.max_tilt, 0.0);
-    share.at_tilt = sum.at_tilt;
+    share.max_tilt = std::max(sum.tilt.value, 0.0);
+    share.at_tilt = sum.tilt.at;
     shares.push_back(share);
   }
   std::stable_sort(shares.begin(), shares.end(),
@@ -171,23 +138,20 @@ std::vector<LostMotion> lost_motion(const Plan& plan, const VolumeGrid& grid,
           query.approach[axis] = -1;
           const Vec3 step = from_below - actual_tip(plan, query);
           parts[k].squares += step.cwiseAbs2();
-          if (step.norm() > parts[k].max) parts[k].max = step.norm(), parts[k].at = i;
+          parts[k].length.add(step.norm(), i);
         }
       },
       progress, done_before, total);
   if (!complete || points == 0) return {};
   std::vector<LostMotion> result;
   for (std::size_t a = 0; a < axes.size(); ++a) {
+    ChunkSums sum;
+    for (std::size_t c = 0; c < chunks; ++c) sum.add(parts[a * chunks + c]);
     LostMotion lost;
     lost.axis = axes[a];
-    lost.max = -1;
-    double squares = 0;
-    for (std::size_t c = 0; c < chunks; ++c) {
-      const ChunkSums& part = parts[a * chunks + c];
-      squares += part.squares.sum();
-      if (part.max > lost.max) lost.max = part.max, lost.at = part.at;
-    }
-    lost.rms = std::sqrt(squares / static_cast<double>(points));
+    lost.max = sum.length.value;
+    lost.at = sum.length.at;
+    lost.rms = std::sqrt(sum.squares.sum() / static_cast<double>(points));
     result.push_back(lost);
   }
   return result;

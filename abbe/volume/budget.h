@@ -28,7 +28,7 @@ struct ErrorShare {
 /// plan, grid and circumstances. Empty if `progress` asked to stop.
 ///
 /// laws     OneErrorIsTheWholeBudget, SameForAnyNumberOfThreads
-/// cost     one tip per error and point on all processors, by kernels where the machine allows it
+/// cost     one tip per error and point on all processors
 [[nodiscard]] std::vector<ErrorShare> error_budget(const Plan& plan, const VolumeGrid& grid,
                                                    const FieldCircumstances& circumstances,
                                                    const DeviationField& field, const Progress& progress = {},

@@ -23,6 +23,7 @@ DeviationField deviation_field(const Plan& plan, const VolumeGrid& grid,
   const std::size_t points = grid.size(), chunks = chunk_count(points);
   DeviationField field;
   field.nominal.resize(points);
+  field.nominal_axis.resize(points);
   field.deviation.resize(points);
   field.rotation.resize(points);
   field.tilt.resize(points);
@@ -41,6 +42,7 @@ DeviationField deviation_field(const Plan& plan, const VolumeGrid& grid,
           const Prediction p = predict(plan, query);
           if (!p.finite) overflow[chunk] = 1;
           field.nominal[i] = p.nominal.position;
+          field.nominal_axis[i] = p.nominal.tool_axis;
           field.deviation[i] = p.deviation.position;
           // log(R_a R_n^T) = R_n log(R_n^T R_a)
           field.rotation[i] = nominal_pose(plan, query).R * p.tool_twist.e;

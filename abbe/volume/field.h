@@ -17,6 +17,7 @@ inline constexpr std::size_t kFieldChunk = 512;
 /// workpiece axes, as of abbe::predict.
 struct DeviationField {
   std::vector<Vec3> nominal;                    ///< tip, mm
+  std::vector<Vec3> nominal_axis;               ///< of the tool, from the tip to the spindle
   std::vector<Vec3> deviation;                  ///< of the tip, mm
   std::vector<Vec3> rotation;                   ///< of the tool: rotation vector of R_actual R_nominal^T, rad
   std::vector<double> tilt;                     ///< angle between actual and nominal tool axis, rad
@@ -34,7 +35,7 @@ struct FieldCircumstances {
 };
 
 /// laws     FieldIsPredictAtEveryPoint, SameForAnyNumberOfThreads
-/// cost     one prediction per point on all processors; 90 bytes per point
+/// cost     one prediction per point on all processors; 110 bytes per point
 [[nodiscard]] DeviationField deviation_field(const Plan& plan, const VolumeGrid& grid,
                                              const FieldCircumstances& circumstances,
                                              const Progress& progress = {}, std::size_t done_before = 0,

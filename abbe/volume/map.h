@@ -12,7 +12,7 @@
 
 namespace abbe {
 
-/// More points than this are refused: a map keeps all of them (about 100 bytes each).
+/// More points than this are refused: a map keeps all of them (about 110 bytes each).
 inline constexpr std::size_t kMostMapPoints = 4'000'000;
 
 struct VolumeQuestion {

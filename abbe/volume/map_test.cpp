@@ -24,7 +24,6 @@ using test::question_of;
 constexpr double kRounding = 1e-12;    // mm and rad, of positions up to half a metre
 constexpr double kSecondOrder = 2e-7;  // mm: 20 urad squared over half a metre
 constexpr double kPrinted = 6e-8;      // mm: numbers known to five decimals of a um
-constexpr double kKernelSum = 3e-11;   // mm: kernel and walk round differently
 
 VolumeMap map_of(const Machine& machine, std::size_t count, ErrorModel model = ErrorModel::first_order) {
   return map_volume(plan_of(machine, model), question_of(machine, count));
@@ -242,13 +241,13 @@ TEST(ErrorBudget, OneErrorIsTheWholeBudget) {
     for (const ErrorModel model : {ErrorModel::first_order, ErrorModel::rigid, ErrorModel::linear}) {
       const VolumeMap map = map_of(column_machine(error), 5, model);
       ASSERT_EQ(map.budget.size(), 1U);
-      EXPECT_NEAR(map.budget[0].rms, map.figures.length.rms, kKernelSum) << error;
-      EXPECT_NEAR(map.budget[0].max, map.figures.length.max, kKernelSum) << error;
-      EXPECT_NEAR(map.budget[0].rms_without, 0, kKernelSum) << error;
+      EXPECT_NEAR(map.budget[0].rms, map.figures.length.rms, kRounding) << error;
+      EXPECT_NEAR(map.budget[0].max, map.figures.length.max, kRounding) << error;
+      EXPECT_NEAR(map.budget[0].rms_without, 0, kRounding) << error;
       EXPECT_NEAR(map.budget[0].max_tilt, map.tilt.max, 1e-14) << error;
       for (int c = 0; c < 3; ++c)
         EXPECT_NEAR(map.budget[0].rms_component[c], map.figures.component[static_cast<std::size_t>(c)].rms,
-                    kKernelSum);
+                    kRounding);
     }
   }
 }

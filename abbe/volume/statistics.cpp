@@ -11,6 +11,11 @@ namespace {
 /// Relative extent across a line below which points count as lying on it.
 constexpr double kOnALine = 1e-9;
 
+template <class Accept>
+std::size_t first(const std::vector<double>& values, Accept accept) {
+  return static_cast<std::size_t>(std::find_if(values.begin(), values.end(), accept) - values.begin());
+}
+
 }  // namespace
 
 double percentile(std::vector<double> values, double part) {
@@ -31,12 +36,11 @@ Amount amount_of(const std::vector<double>& values) {
 Spread spread_of(const std::vector<double>& values) {
   Spread spread;
   if (values.empty()) return spread;
-  const auto least = std::min_element(values.begin(), values.end());
-  const auto most = std::max_element(values.begin(), values.end());
+  const auto [least, most] = std::minmax_element(values.begin(), values.end());
   spread.min = *least;
   spread.max = *most;
-  spread.at_min = static_cast<std::size_t>(least - values.begin());
-  spread.at_max = static_cast<std::size_t>(most - values.begin());
+  spread.at_min = first(values, [&](double v) { return v <= spread.min + kSameValue; });
+  spread.at_max = first(values, [&](double v) { return v >= spread.max - kSameValue; });
   std::vector<double> magnitudes(values.size());
   double sum = 0, squares = 0;
   for (std::size_t i = 0; i < values.size(); ++i) {

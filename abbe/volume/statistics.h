@@ -14,10 +14,14 @@ namespace abbe {
 
 inline constexpr double kPercentile = 0.95;
 
+/// Values (mm, rad) that differ by less are equally large, so that rounding does not choose the place of the
+/// largest: of equally large ones the first is named.
+inline constexpr double kSameValue = 1e-10;
+
 /// Of values that are not negative (distances, angles), one per grid point.
 struct Amount {
   double max = 0, rms = 0, mean = 0, percentile95 = 0;
-  std::size_t at = 0;  ///< the point of the largest value; of equal ones the first
+  std::size_t at = 0;  ///< the point of the largest value
 };
 [[nodiscard]] Amount amount_of(const std::vector<double>& values);
 

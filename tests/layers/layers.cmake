@@ -11,7 +11,7 @@ set(chain_may core errors machine)
 set(symbols_may core errors machine chain)
 set(program_may core machine/control_setup.h)
 set(kernel_may core errors machine chain)
-set(volume_may core errors machine chain kernel)
+set(volume_may core errors machine chain)
 set(compensate_may core errors machine chain kernel program)
 set(verify_may core errors machine chain kernel)  # neither program nor compensate: it judges them
 set(report_may core errors machine chain kernel volume program compensate verify)
