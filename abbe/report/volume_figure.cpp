@@ -21,7 +21,7 @@ constexpr double kPanelTop = 118, kPanelWidth = 276, kPanelHeight = 250;
 constexpr std::array<double, 3> kPanelLeft = {84, 432, 780};
 constexpr double kBarLeft = 1086;
 constexpr double kLowerTop = 468, kRightLeft = 596, kRightEnd = 1120;
-constexpr std::size_t kMostCells = 64, kMostStrokes = 9, kMostErrors = 14;
+constexpr std::size_t kMostCells = 64, kMostOfProfile = 1000, kMostStrokes = 9, kMostErrors = 14;
 
 constexpr std::string_view kMicrometre = "\xC2\xB5m", kDegree = "\xC2\xB0";
 constexpr std::string_view kGrey = "#777777", kLightGrey = "#bbbbbb", kGrid = "#e4e4e4", kInk = "#222222";
@@ -33,9 +33,9 @@ constexpr std::array<std::string_view, 3> kComponentName = {"x", "y", "z"};
 /// Digits that tell a deviation: um with one decimal, small ones with more.
 std::string micrometres(double value, bool sign = false) {
   const double v = value / um;
+  if (std::abs(v) < 5e-4) return "0";
   const int decimals = std::abs(v) >= 9.995 ? 1 : std::abs(v) >= 0.0995 ? 2 : 3;
-  std::string text = sign ? fmt::format("{:+.{}f}", v, decimals) : fmt::format("{:.{}f}", v, decimals);
-  return text == "-0.000" || text == "+0.000" ? "0.000" : text;
+  return sign ? fmt::format("{:+.{}f}", v, decimals) : fmt::format("{:.{}f}", v, decimals);
 }
 
 double shown(const Body& axis, double position) {
@@ -99,8 +99,8 @@ struct Scale {
   double lo = 0, hi = 1, from = 0, to = 1;  ///< `from` belongs to lo
 
   Scale(const Body& axis, const std::vector<double>& positions, std::size_t keep, double page_from,
-        double page_to)
-      : index(thinned(positions.size(), kMostCells, keep)), from(page_from), to(page_to) {
+        double page_to, std::size_t most = kMostCells)
+      : index(thinned(positions.size(), most, keep)), from(page_from), to(page_to) {
     std::sort(index.begin(), index.end(),
               [&](std::size_t a, std::size_t b) { return positions[a] < positions[b]; });
     for (const std::size_t i : index) value.push_back(shown(axis, positions[i]));
@@ -168,10 +168,10 @@ void draw_slice(SvgPage& page, const Machine& machine, const VolumeMap& map, con
       k = next;
     }
   }
-  // Strokes: from the point to where it goes, the longest as long as half their distance.
+  // Strokes: from the point to where it goes, one of the full scale nearly reaches the next point.
   if (a.type == AxisType::linear && b.type == AxisType::linear) {
     const Vec3 u = direction_of(map, lattice, i), v = direction_of(map, lattice, j);
-    const double length = 0.5 * kPanelWidth / static_cast<double>(kMostStrokes);
+    const double length = 0.8 * kPanelWidth / static_cast<double>(kMostStrokes);
     std::vector<std::vector<PagePoint>> strokes;
     for (const std::size_t m : evenly(up.value.size(), kMostStrokes)) {
       for (const std::size_t k : evenly(across.value.size(), kMostStrokes)) {
@@ -197,10 +197,10 @@ void draw_slice(SvgPage& page, const Machine& machine, const VolumeMap& map, con
   for (int k = 0; k < machine.axis_count(); ++k) {
     if (k == across_axis || k == up_axis || !lattice.grid.varies(k)) continue;
     const auto axis = static_cast<std::size_t>(k);
-    at += fmt::format("{}{} {:.6g}", at.empty() ? ", at " : "  ", machine.axis(k).name,
+    at += fmt::format("{}{} {:.6g}", at.empty() ? ", at " : ", ", machine.axis(k).name,
                       shown(machine.axis(k), lattice.grid.positions[axis][lattice.worst[axis]]));
   }
-  page.text({left, kPanelTop - 9}, fmt::format("{}{}{}", a.name, b.name, at), {.size = 13, .bold = true});
+  page.text({left, kPanelTop - 13}, fmt::format("{}{}{}", a.name, b.name, at), {.size = 13, .bold = true});
 }
 
 /// One varying axis: the components along it.
@@ -215,7 +215,8 @@ void draw_profile(SvgPage& page, const Machine& machine, const VolumeMap& map, c
   }
   if (!(hi > lo)) lo = -1, hi = 1;
   const double y0 = bottom + kPanelHeight * lo / (hi - lo), scale = kPanelHeight / (hi - lo);
-  const Scale across(machine.axis(axis), lattice.grid.positions[i], lattice.worst[i], left, right);
+  const Scale across(machine.axis(axis), lattice.grid.positions[i], lattice.worst[i], left, right,
+                     kMostOfProfile);
   const Ticks ticks = round_ticks(lo, hi, 6);
   for (const double value : ticks.values) {
     const double y = y0 - scale * value;
@@ -293,15 +294,16 @@ double row(SvgPage& page, double y, std::string_view name, const std::vector<std
 double draw_figures(SvgPage& page, const VolumeMap& map) {
   page.text({kRightLeft, kLowerTop}, fmt::format("Deviation of the tip ({})", kMicrometre),
             {.size = 14, .bold = true});
-  double y = row(page, kLowerTop + 21, "", {"max", "95 %", "rms", "range"}, true);
+  double y = row(page, kLowerTop + 21, "", {"max", "95 %", "rms", "range", "fitted"}, true);
   for (std::size_t c = 0; c < 3; ++c) {
     const Spread& s = map.figures.component[c];
     y = row(page, y, kComponentName[c],
             {micrometres(std::max(std::abs(s.min), std::abs(s.max))), micrometres(s.percentile95),
-             micrometres(s.rms), micrometres(s.range())});
+             micrometres(s.rms), micrometres(s.range()),
+             micrometres(map.fitted_accuracy.position[static_cast<int>(c)])});
   }
   const auto length = [&](std::string_view name, const Amount& a) {
-    y = row(page, y, name, {micrometres(a.max), micrometres(a.percentile95), micrometres(a.rms), ""});
+    y = row(page, y, name, {micrometres(a.max), micrometres(a.percentile95), micrometres(a.rms), "", ""});
   };
   length("distance |d|", map.figures.length);
   length("|d| from the datum", map.from_datum.length);
@@ -309,10 +311,7 @@ double draw_figures(SvgPage& page, const VolumeMap& map) {
   const Amount& tilt = map.tilt;
   const auto microradians = [](double angle) { return fmt::format("{:.1f}", angle / urad); };
   y = row(page, y, "tilt of the tool (\xC2\xB5rad)",
-          {microradians(tilt.max), microradians(tilt.percentile95), microradians(tilt.rms), ""});
-  const Vec3& v = map.fitted_accuracy.position;
-  y = row(page, y, "range after best fit: x  y  z",
-          {micrometres(v.x()), micrometres(v.y()), micrometres(v.z())});
+          {microradians(tilt.max), microradians(tilt.percentile95), microradians(tilt.rms), "", ""});
   return y;
 }
 
@@ -354,14 +353,16 @@ std::string figure_of_volume(const Machine& machine, const VolumeQuestion& quest
   }
   source += fmt::format("; {} points", map.field.deviation.size());
   page.text({kMargin, 53}, source, {.size = 11, .colour = kGrey});
-  page.text({kMargin, 67},
-            fmt::format("d = actual - nominal tip in workpiece axes; slices through the largest |d| (ring); "
-                        "strokes show d within the slice; machine file sha256 {}",
-                        machine.sha256.substr(0, 12)),
-            {.size = 11, .colour = kGrey});
+  const std::vector<int> axes = varying_axes(machine, grid);
+  page.text(
+      {kMargin, 67},
+      fmt::format(
+          "d = actual - nominal tip in workpiece axes{}; machine file sha256 {}",
+          axes.size() > 1 ? "; slices through the largest |d| (ring); strokes show d within the slice" : "",
+          machine.sha256.substr(0, 12)),
+      {.size = 11, .colour = kGrey});
 
   const Lattice lattice(grid, map.figures.length.at);
-  const std::vector<int> axes = varying_axes(machine, grid);
   const double most_um = round_up(map.figures.length.max / um);
   if (axes.empty()) {
     page.text({kWidth / 2, kPanelTop + kPanelHeight / 2}, "a single point: nothing varies",
