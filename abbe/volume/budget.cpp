@@ -36,7 +36,8 @@ struct ChunkSums {
   }
 };
 
-/// `single` has one error only. The general walk, not the kernels: every processor gives the same bytes.
+/// `single` has one error only. The general walk, not the kernels: with one error it is as fast, and rounds
+/// like the field it is held against.
 [[nodiscard]] ChunkSums sums_of(const Plan& single, bool rotates, const VolumeGrid& grid,
                                 const FieldCircumstances& circumstances, const DeviationField& field,
                                 ChunkRange range) {
