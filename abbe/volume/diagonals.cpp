@@ -1,6 +1,7 @@
 #include "abbe/volume/diagonals.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <tuple>
 
@@ -37,7 +38,7 @@ namespace {
   }
   const Vec3 line = nominal.back() - nominal.front();
   d.length = line.norm();
-  if (!(d.length > 0)) return std::nullopt;
+  if (!(d.length > 0) || !std::isfinite(d.length)) return std::nullopt;
   const Vec3 u = line / d.length, start = (there[0] + back[0]) / 2;
   double least = 0, most = 0;
   for (std::size_t i = 0; i < nominal.size(); ++i) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <cmath>
 #include <utility>
 
 namespace abbe {
@@ -11,6 +12,14 @@ namespace {
   VolumeMap map;
   map.status = status;
   return map;
+}
+
+/// Deviations may be finite and their squares not.
+[[nodiscard]] bool sums_are_finite(const VolumeMap& map) {
+  double sum = map.tilt.rms + map.figures.length.rms + map.from_datum.length.rms + map.fitted.length.rms;
+  for (const ErrorShare& share : map.budget) sum += share.rms + share.rms_without;
+  for (const LostMotion& lost : map.lost_motion) sum += lost.rms;
+  return std::isfinite(sum);
 }
 
 }  // namespace
@@ -56,7 +65,7 @@ VolumeMap map_volume(const Plan& plan, const VolumeQuestion& question, const Pro
   map.budget = error_budget(plan, grid, circumstances, map.field, poses, chunks, total);
   if (!stopped) map.lost_motion = lost_motion(plan, grid, circumstances, poses, chunks * (1 + errors), total);
   if (stopped) return unfinished(Status::stopped);
-  return map;
+  return sums_are_finite(map) ? map : unfinished(Status::overflow);
 }
 
 }  // namespace abbe

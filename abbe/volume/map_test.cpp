@@ -331,6 +331,16 @@ TEST(VolumeMap, TooLargeNumbersAreAStatus) {
   VolumeQuestion question = question_of(machine, 3);
   question.grid.positions[0] = {0, 1e200};
   EXPECT_EQ(map_volume(plan_of(machine), question).status, VolumeMap::Status::overflow);
+  // Finite deviations of which the squares are not, and a volume as large.
+  EXPECT_EQ(map_of(column_machine("EXX = { poly = [0, 1e170] }"), 3).status, VolumeMap::Status::overflow);
+  const Machine perfect = column_machine("EYY = 1");
+  question = question_of(perfect, 3);
+  question.grid.positions[0] = {-1e170, 0, 1e170};
+  const VolumeMap vast = map_volume(plan_of(perfect), question);
+  EXPECT_EQ(vast.status, VolumeMap::Status::done);
+  EXPECT_NEAR(vast.fitted.length.max, 0, kRounding);
+  EXPECT_TRUE(vast.fit.w.allFinite());
+  EXPECT_EQ(vast.diagonals.size(), 2U);  // those of Y and Z
 }
 
 TEST(VolumeMap, PointsBeyondATableAreCounted) {

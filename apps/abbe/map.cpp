@@ -25,7 +25,7 @@ struct MapArguments {
   CommonArguments common;
   VolumeArguments volume;
   std::string csv, svg;
-  std::size_t most = 15;
+  int most = 15;
 };
 
 /// False after reporting an output that would overwrite an input or the other output.
@@ -120,7 +120,8 @@ void run_map(const MapArguments& arguments, Session& session) {
   answer.pass = answer.within == map.field.deviation.size();
   if (!write_files(arguments, answer, session)) return;
   if (session.strict && setting->limits.given() && !answer.pass) session.note(Exit::warnings);
-  session.out.write(arguments.common.json ? map_json(answer) : map_text(answer, arguments.most));
+  session.out.write(arguments.common.json ? map_json(answer)
+                                          : map_text(answer, static_cast<std::size_t>(arguments.most)));
 }
 
 }  // namespace
@@ -134,7 +135,9 @@ Verb map_verb(CLI::App& program, Session& session) {
   command->add_option("--csv", arguments->csv, "every point of the grid: CSV")->type_name("FILE");
   command->add_option("--svg", arguments->svg, "overview: slices, error budget, diagonals (SVG)")
       ->type_name("FILE");
-  command->add_option("--most", arguments->most, "errors listed in the budget, 0 = all (15)")->type_name("N");
+  command->add_option("--most", arguments->most, "errors listed in the budget, 0 = all (15)")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("N");
   return {command, [arguments, &session] { run_map(*arguments, session); }};
 }
 

@@ -209,9 +209,7 @@ void add_volume_options(CLI::App& verb, VolumeArguments& arguments) {
   list("--at", arguments.at, "axes that are held: A=0,C=90", "AXIS=VALUE,..");
   list("--count", arguments.count, "positions per axis, of all or of one: 21 or X=41,Z=11", "N|AXIS=N,..");
   list("--datum-at", arguments.datum,
-       "point whose deviation is taken away in the figures 'from the datum' (axes not named: 0, or the end "
-       "nearest to 0)",
-       "AXIS=VALUE,..");
+       "where the workpiece is touched off (axes not named: 0, or the end nearest to 0)", "AXIS=VALUE,..");
   verb.add_option("--threads", arguments.threads, "processors to use (all); the result does not depend on it")
       ->check(CLI::Range(1, 4096))
       ->type_name("N");

@@ -213,6 +213,7 @@ TEST_F(Map, WrongVolumesAreNamed) {
   refused({"--datum-at", "Q=0"}, "no moving axis 'Q'");
   refused({"--range", "X=-1e308:1e308"}, "too large");
   refused({"--threads", "0"}, "--threads");
+  refused({"--most", "-1"}, "--most");
   refused({"--csv", "-"}, "standard output");
   refused({"--svg", three_}, "is an input");
   refused({"--csv", "a.out", "--svg", "a.out"}, "the same file");
