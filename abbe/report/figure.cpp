@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "abbe/core/units.h"
+#include "abbe/report/colour_scale.h"
 #include "abbe/report/svg.h"
 
 namespace abbe {
@@ -22,7 +23,6 @@ constexpr double kStripLeft = 96, kStripRight = 1080, kStripHeight = 112;
 constexpr double kBeforeTop = 562, kAfterTop = 704;
 constexpr std::size_t kMostSegments = 4000;  ///< drawn per picture
 constexpr int kStripColumns = 700;           ///< of which the least and the largest value are drawn
-constexpr int kColours = 24;
 constexpr double kFlat = 0.35;  ///< thinner than this part of the second extent: seen from above
 
 constexpr std::string_view kMicrometre = "\xC2\xB5m";
@@ -30,19 +30,6 @@ constexpr std::string_view kGrey = "#777777", kLightGrey = "#bbbbbb", kGrid = "#
 constexpr std::array<std::string_view, 3> kComponentColour = {"#a3245c", "#1d6fa5", "#222222"};
 constexpr std::array<std::string_view, 3> kComponentDashes = {"", "", "5 3"};
 constexpr std::array<std::string_view, 3> kComponentName = {"x", "y", "z"};
-
-/// From light blue (0) over purple to dark red (1), ever darker, so that it reads in grey too.
-std::string colour(double part) {
-  static constexpr std::array<std::array<double, 3>, 5> kStops = {
-      {{134, 182, 217}, {106, 134, 196}, {138, 79, 158}, {163, 36, 92}, {80, 8, 24}}};
-  const double at = std::clamp(part, 0.0, 1.0) * (kStops.size() - 1);
-  const std::size_t i = std::min(static_cast<std::size_t>(at), kStops.size() - 2);
-  const double f = at - static_cast<double>(i);
-  std::array<int, 3> rgb{};
-  for (std::size_t c = 0; c < 3; ++c)
-    rgb[c] = static_cast<int>(std::lround((1 - f) * kStops[i][c] + f * kStops[i + 1][c]));
-  return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
-}
 
 /// Two samples are farther apart than the path between them is long: a rapid went between.
 bool is_gap(const PathSample& a, const PathSample& b) {
@@ -200,7 +187,7 @@ void draw_path(SvgPage& page, const Projection& to_page, const std::vector<PathS
     return p.x >= left && p.x <= left + kPathWidth && p.y >= top && p.y <= top + kPathHeight;
   };
   const auto band = [&](const PathSample& s) {
-    return std::clamp(static_cast<int>(deviation_um(s, side) / most_um * kColours), 0, kColours - 1);
+    return shade_of(deviation_um(s, side), most_um);
   };
   // Rapids first, below the cut; only what lies within the panel.
   std::vector<std::vector<PagePoint>> rapids;
@@ -211,7 +198,7 @@ void draw_path(SvgPage& page, const Projection& to_page, const std::vector<PathS
   }
   page.polylines(rapids, {.colour = kLightGrey, .width = 0.6, .dashes = "3 2"});
   // Stretches of one colour are one line; the darkest are drawn last, so that the worst is seen.
-  std::array<std::vector<std::vector<PagePoint>>, kColours> stretches;
+  std::array<std::vector<std::vector<PagePoint>>, kShades> stretches;
   std::vector<PagePoint> stretch;
   int colour_of_stretch = -1;
   std::size_t cut = 0;
@@ -237,7 +224,7 @@ void draw_path(SvgPage& page, const Projection& to_page, const std::vector<PathS
   }
   finish();
   for (std::size_t i = 0; i < stretches.size(); ++i) {
-    page.polylines(stretches[i], {.colour = colour((static_cast<double>(i) + 0.5) / kColours), .width = 1.4});
+    page.polylines(stretches[i], {.colour = colour_of_shade(static_cast<int>(i)), .width = 1.4});
   }
   const auto worst =
       std::max_element(samples.begin(), samples.end(), [&](const PathSample& a, const PathSample& b) {
@@ -246,26 +233,9 @@ void draw_path(SvgPage& page, const Projection& to_page, const std::vector<PathS
   page.ring(to_page(worst->position), 7, {.width = 1.2});
   if (cut == 1) {
     for (const PathSample& s : samples) {
-      if (!s.rapid) page.dot(to_page(s.position), 5, colour((band(s) + 0.5) / kColours));
+      if (!s.rapid) page.dot(to_page(s.position), 5, colour_of_shade(band(s)));
     }
   }
-}
-
-void draw_colour_bar(SvgPage& page, double most_um, double left, double top, double height) {
-  constexpr double kBar = 14;
-  for (int i = 0; i < kColours; ++i) {
-    const double y = top + height * (kColours - 1 - i) / kColours;
-    page.box({left, y}, kBar, height / kColours + 0.5, colour((i + 0.5) / kColours));
-  }
-  page.box({left, top}, kBar, height, "", kGrey);
-  const Ticks ticks = round_ticks(0, most_um, 5);
-  for (const double value : ticks.values) {
-    const double y = top + height * (1 - value / most_um);
-    page.line({left + kBar, y}, {left + kBar + 4, y}, {.colour = kGrey});
-    page.text({left + kBar + 7, y + 4}, fmt::format("{:.{}f}", value, ticks.decimals), {.size = 11});
-  }
-  page.text({left + kBar / 2, top - 10}, fmt::format("|d| ({})", kMicrometre),
-            {.size = 11, .anchor = SvgPage::Anchor::middle});
 }
 
 /// Numbers of a strip: the cut points only, path length in mm, components in um.
@@ -437,7 +407,7 @@ std::string figure_before_after(const ProgramReport& report) {
                           numbers(side == Side::before ? verify.before : verify.after)),
               {.size = 14, .bold = true});
   }
-  draw_colour_bar(page, scale_um, 1032, kPathTop + 30, kPathHeight - 60);
+  draw_colour_bar(page, scale_um, {1032, kPathTop + 30}, kPathHeight - 60);
   draw_strip(page, strip_data(verify.samples, Side::before), kBeforeTop, "Before, along the path",
              std::nullopt, false);
   draw_strip(page, strip_data(verify.samples, Side::after), kAfterTop, "After, along the path (own scale)",

@@ -34,8 +34,8 @@ class WrongInput : public ::testing::Test {
 };
 
 TEST(Usage, HelpAndVersionAreAnswers) {
-  for (const char* verb : {"describe", "predict", "correct", "inverse", "cl-correct", "signcheck", "compensate", "check",
-                           "verify", "diff", "explain"}) {
+  for (const char* verb : {"describe", "derive", "predict", "map", "correct", "inverse", "cl-correct", "signcheck",
+                           "compensate", "check", "verify", "diff", "explain"}) {
     const ProgramRun run = run_abbe({verb, "--help"});
     EXPECT_EQ(run.exit, 0) << verb;
     EXPECT_THAT(run.out, HasSubstr("Usage")) << verb;

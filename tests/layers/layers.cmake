@@ -3,7 +3,7 @@ cmake_minimum_required(VERSION 3.25)
 #   cmake -DROOT=<repository> -P layers.cmake
 # A stage is a folder of abbe/. Entries are stages, or single headers of a stage.
 
-set(stages core errors machine chain kernel rt symbols program compensate verify report pipeline)
+set(stages core errors machine chain kernel rt symbols volume program compensate verify report pipeline)
 set(core_may)
 set(errors_may core)
 set(machine_may core errors)
@@ -12,10 +12,11 @@ set(symbols_may core errors machine chain)
 set(program_may core machine/control_setup.h)
 set(kernel_may core errors machine chain)
 set(rt_may core errors machine chain kernel)
+set(volume_may core errors machine chain)
 set(compensate_may core errors machine chain kernel program)
 set(verify_may core errors machine chain kernel)  # neither program nor compensate: it judges them
-set(report_may core errors machine chain kernel program compensate verify)
-set(pipeline_may core errors machine chain kernel program compensate verify report)
+set(report_may core errors machine chain kernel volume program compensate verify)
+set(pipeline_may core errors machine chain kernel volume program compensate verify report)
 
 # Third-party headers outside the standard library and Eigen: only in .cpp files, and only here.
 set(third_party "^(fmt|toml\\+\\+|nlohmann|openssl|CLI)/")
