@@ -135,7 +135,9 @@ int CorrectionField::beyond_travel(const Vec3& m) const {
 bool CorrectionField::follow(const Vec3& m, const std::array<signed char, 3>& approach, Answer& answer) {
   const Vec3 target = nominal_axes_ * m + nominal_offset_ + options_.target_shift;
   Vec3 q = m + last_offset_;
-  for (std::size_t k = 0; k < 3; ++k) path_query_.approach[static_cast<std::size_t>(axes_.index[k])] = approach[k];
+  if (directional_) {
+    for (std::size_t k = 0; k < 3; ++k) path_query_.approach[static_cast<std::size_t>(axes_.index[k])] = approach[k];
+  }
   double before = 0;
   for (int i = 0; i < kMaxSteps; ++i) {
     bool outside = false;

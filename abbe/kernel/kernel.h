@@ -30,9 +30,9 @@ enum Lane : unsigned char {
 struct Kernel {
   const char* name = "";
   int width = 1;  ///< poses side by side
-  /// Actual tips of `count` poses: tip[0..2][i], mm. lanes[i] |= outside.
-  void (*tips)(const FlatView&, const Setting&, const double* const* q, std::size_t count,
-               double* const* tip, unsigned char* lanes) = nullptr;
+  /// Actual tips of `count` poses: tip[0..2][i], mm. lanes[i] |= outside. tool_tip and approach as in Setting.
+  void (*tips)(const FlatView&, const double* tool_tip, const signed char* approach, const double* const* q,
+               std::size_t count, double* const* tip, unsigned char* lanes) = nullptr;
   /// Corrected commands of `count` poses (all axes): a first-order step, then Setting::exact_steps Newton steps
   /// on the exact model. last[i]: length of the last step, mm (rotary steps count 300 mm per rad). An unusual
   /// lane's commands mean nothing. Needs corrects(view, free).

@@ -45,6 +45,7 @@ void store(double* to, std::size_t first, std::size_t count, V v) {
 template <class V>
 struct State {
   V q[kMaxFlatAxes];
+  const double *tip = nullptr, *axis = nullptr;  ///< of the tool
   const signed char* approach = nullptr;
   unsigned outside = 0;
 };
@@ -224,12 +225,11 @@ Triple<V> rotated(const Triple<V>& e, V s, V k, const Triple<V>& p) {
 
 /// The point, and if `Axis` the tool axis, through one step of the exact walk.
 template <class V, bool Axis>
-[[gnu::always_inline]] inline void step(const FlatView& plan, const FlatOp& op, const Setting& setting, State<V>& state, Triple<V>& p,
-          Triple<V>& a) {
+[[gnu::always_inline]] inline void step(const FlatView& plan, const FlatOp& op, State<V>& state, Triple<V>& p, Triple<V>& a) {
   using Kind = FlatOp::Kind;
   switch (op.kind) {
     case Kind::tip:
-      p = p + broadcast<V>(setting.tip);
+      p = p + broadcast<V>(state.tip);
       break;
     case Kind::slide:
       p = p + broadcast<V>(op.u) * state.q[op.axis];
@@ -288,21 +288,22 @@ template <class V, bool Axis>
 }
 
 template <class V, bool Axis>
-void walk_actual(const FlatView& plan, const Setting& setting, State<V>& state, Triple<V>& p, Triple<V>& a) {
+void walk_actual(const FlatView& plan, State<V>& state, Triple<V>& p, Triple<V>& a) {
   p = Triple<V>{};
-  a = broadcast<V>(setting.axis);
+  if (Axis) a = broadcast<V>(state.axis);
   for (std::uint32_t i = 0; i < plan.actual_count; ++i)
-    step<V, Axis>(plan, plan.actual[i], setting, state, p, a);
+    step<V, Axis>(plan, plan.actual[i], state, p, a);
 }
 
 template <class V>
-void tips_of(const FlatView& plan, const Setting& setting, const Source& from, double* const* tip,
-             unsigned char* lanes) {
+void tips_of(const FlatView& plan, const double* tool_tip, const signed char* approach, const Source& from,
+             double* const* tip, unsigned char* lanes) {
   State<V> state;
-  state.approach = setting.approach;
+  state.tip = tool_tip;
+  state.approach = approach;
   for (int i = 0; i < plan.axis_count; ++i) state.q[i] = load<V>(from, i);
   Triple<V> p, a;
-  walk_actual<V, false>(plan, setting, state, p, a);
+  walk_actual<V, false>(plan, state, p, a);
   store(tip[0], from.first, from.count, p.x);
   store(tip[1], from.first, from.count, p.y);
   store(tip[2], from.first, from.count, p.z);

@@ -77,7 +77,7 @@ template <class V>
         break;
       }
       default:
-        step<V, false>(plan, op, setting, state, p, a);
+        step<V, false>(plan, op, state, p, a);
         continue;
     }
     if (op.moves_on) p = p + broadcast<V>(op.t);
@@ -165,6 +165,8 @@ template <class V>
 void correct_packet(const FlatView& plan, const Setting& setting, const FreeAxes& axes, const Source& from,
                     double* const* corrected, double* last, unsigned char* lanes) {
   State<V> state;
+  state.tip = setting.tip;
+  state.axis = setting.axis;
   state.approach = setting.approach;
   for (int i = 0; i < plan.axis_count; ++i) state.q[i] = load<V>(from, i);
   FirstOrder<V> f;
@@ -178,7 +180,7 @@ void correct_packet(const FlatView& plan, const Setting& setting, const FreeAxes
   for (int i = 0; i < setting.exact_steps; ++i) {
     Triple<V> p, a;
     state.outside = 0;
-    walk_actual<V, true>(plan, setting, state, p, a);
+    walk_actual<V, true>(plan, state, p, a);
     size = solver.step(p - target, a - f.a, state.q);
   }
   unsigned unusual = solver.unusual | lanes_outside(size, 0.0, kMostStep);

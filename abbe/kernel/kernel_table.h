@@ -5,12 +5,12 @@
 namespace abbe::kernel {
 namespace {
 
-void tips(const FlatView& plan, const Setting& setting, const double* const* q, std::size_t count,
-          double* const* tip, unsigned char* lanes) {
-  if (count == 1) return tips_of<double>(plan, setting, {q, 0, 1}, tip, lanes);
-  if (count == 2) return tips_of<Pair>(plan, setting, {q, 0, 2}, tip, lanes);
+void tips(const FlatView& plan, const double* tool_tip, const signed char* approach, const double* const* q,
+          std::size_t count, double* const* tip, unsigned char* lanes) {
+  if (count == 1) return tips_of<double>(plan, tool_tip, approach, {q, 0, 1}, tip, lanes);
+  if (count == 2) return tips_of<Pair>(plan, tool_tip, approach, {q, 0, 2}, tip, lanes);
   for (std::size_t i = 0; i < count; i += lanes_of<Packet>)
-    tips_of<Packet>(plan, setting, {q, i, count}, tip, lanes);
+    tips_of<Packet>(plan, tool_tip, approach, {q, i, count}, tip, lanes);
 }
 
 void correct_poses(const FlatView& plan, const Setting& setting, const double* const* q, std::size_t count,

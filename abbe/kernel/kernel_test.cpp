@@ -95,7 +95,7 @@ TEST(Kernels, TipsOfAllKernelsAreTheGeneralTips) {
           for (auto& column : tip) column.assign(count, -1);
           const std::array<double*, 3> to = {tip[0].data(), tip[1].data(), tip[2].data()};
           std::vector<unsigned char> lanes(count, Lane::ordinary);
-          kernel->tips(flat->view(), setting_of(first), batch.pointers.data(), count, to.data(), lanes.data());
+          kernel->tips(flat->view(), first.tool.tip.data(), first.approach.data(), batch.pointers.data(), count, to.data(), lanes.data());
           for (std::size_t i = 0; i < count; ++i) {
             bool outside = false;
             const Vec3 expected = actual_tip(plan, queries[i], &outside);

@@ -1,22 +1,11 @@
 #include "abbe/kernel/tip_function.h"
 
-#include <cstring>
-
 namespace abbe::kernel {
 namespace {
-
-static_assert(sizeof(Setting::approach) == sizeof(Query::approach));
 
 [[nodiscard]] Vec3 finite_or_zero(const Vec3& tip) {
   const double sum = tip.sum();
   return sum - sum == 0 ? tip : Vec3(Vec3::Zero());
-}
-
-[[nodiscard]] Setting setting_of(const Query& query) {
-  Setting setting;
-  for (int k = 0; k < 3; ++k) setting.tip[k] = query.tool.tip[k];
-  std::memcpy(setting.approach, query.approach.data(), sizeof setting.approach);
-  return setting;
 }
 
 }  // namespace
@@ -24,13 +13,12 @@ static_assert(sizeof(Setting::approach) == sizeof(Query::approach));
 Vec3 TipFunction::operator()(const Query& query, bool* outside) const {
   if (flat_ == nullptr) return actual_tip(plan_, query, outside);
   const FlatView& view = flat_->view();
-  const Setting setting = setting_of(query);
   std::array<const double*, kMaxFlatAxes> q;
   for (std::size_t i = 0; i < static_cast<std::size_t>(view.axis_count); ++i) q[i] = &query.q[i];
   Vec3 tip;
   const std::array<double*, 3> to = {&tip[0], &tip[1], &tip[2]};
   unsigned char lane = Lane::ordinary;
-  kernel_->tips(view, setting, q.data(), 1, to.data(), &lane);
+  kernel_->tips(view, query.tool.tip.data(), query.approach.data(), q.data(), 1, to.data(), &lane);
   if (lane != Lane::ordinary && outside != nullptr) *outside = true;
   return finite_or_zero(tip);
 }
@@ -49,7 +37,6 @@ TipFunction::Two TipFunction::two(Query& query, const std::array<std::size_t, 3>
     return tips;
   }
   const FlatView& view = flat_->view();
-  const Setting setting = setting_of(query);
   double pairs[kMaxFlatAxes][2];
   std::array<const double*, kMaxFlatAxes> q;
   for (std::size_t i = 0; i < static_cast<std::size_t>(view.axis_count); ++i) {
@@ -63,7 +50,7 @@ TipFunction::Two TipFunction::two(Query& query, const std::array<std::size_t, 3>
   double tip[3][2];
   const std::array<double*, 3> to = {tip[0], tip[1], tip[2]};
   unsigned char lanes[2] = {Lane::ordinary, Lane::ordinary};
-  kernel_->tips(view, setting, q.data(), 2, to.data(), lanes);
+  kernel_->tips(view, query.tool.tip.data(), query.approach.data(), q.data(), 2, to.data(), lanes);
   if ((lanes[0] | lanes[1]) != Lane::ordinary && outside != nullptr) *outside = true;
   return {finite_or_zero({tip[0][0], tip[1][0], tip[2][0]}), finite_or_zero({tip[0][1], tip[1][1], tip[2][1]})};
 }

@@ -51,6 +51,8 @@ class TipModel {
 
  private:
   TipModel(const Plan& plan, const ControlSetup& setup) : plan_(plan), actual_tip_(plan), setup_(setup) {}
+  void approach_from(const Approach& approach) const;
+
   Plan plan_;
   kernel::TipFunction actual_tip_;
   ControlSetup setup_;
