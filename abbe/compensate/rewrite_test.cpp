@@ -40,6 +40,19 @@ TEST(Rewrite, ZeroErrorsLeaveRadiusWordsAlone) {
   EXPECT_EQ(result.text, program);
 }
 
+TEST(Rewrite, ZeroErrorsLeaveFullCirclesAloneInEveryFrame) {
+  const std::string program =
+      "G0 X1.222336 Y0.3 Z5\nG2 X1.222336 Y0.3 I-2.828427 J-2.828427 F100\nG3 X1.222336 Y0.3 Z4 I-2.828427 J-2.828427\n"
+      "G91 G2 X0 Y0 I1.1 J0.7\nM2\n";
+  for (const std::array<double, 3>& origin : {std::array<double, 3>{1, 2, 3}, {1.1, 2.7, 0.3}, {-120.5, 40.123, -210}}) {
+    RewriteJob job = plain_job();
+    job.setup.work_offsets[0] = WorkOffset{origin, 0};
+    const auto result = rewrite(three_axes({}), program, job);
+    ASSERT_TRUE(result.report.complete) << result.findings();
+    EXPECT_EQ(result.text, program);
+  }
+}
+
 TEST(Rewrite, CorrectionOpposesTheError) {
   const auto result = rewrite(offset_machine(), "G0 X0 Y0 Z5\nG1 X100 F500\nM2\n");
   ASSERT_TRUE(result.report.complete) << result.findings();

@@ -120,21 +120,23 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
   piece.s1 = s1;
   // A full circle ends exactly where it starts.
   const Vec3 nominal_start = part.at(0), nominal_end = part.at(1);
-  const bool closed = std::hypot(nominal_end[a] - nominal_start[a], nominal_end[b] - nominal_start[b]) < 1e-9;
+  // Passing through the work offset leaves rounding: the control reads ends this close as one point, a full circle.
+  const auto same_place = [&](const Vec3& p, const Vec3& q) { return std::hypot(p[a] - q[a], p[b] - q[b]) < kUnchanged; };
+  const bool closed = same_place(nominal_start, nominal_end);
   piece.end = targets_.back().point;
   if (closed) {
     piece.end[a] = start[a];
     piece.end[b] = start[b];
   }
   Vec3 end = rounded_end(piece.end, start, piece.first);
-  if (!closed && end[a] == start[a] && end[b] == start[b]) {
+  if (!closed && same_place(start, end)) {
     // The rounded end fell on the start, which would be a full circle: one last digit onwards along the chord.
     const int along = std::abs(nominal_end[a] - nominal_start[a]) >= std::abs(nominal_end[b] - nominal_start[b]) ? a : b;
     const double digit = 2 * half_digit(decimals_of(axis_word(along))) * modal_.unit();
     piece.end[along] = start[along] + (nominal_end[along] > nominal_start[along] ? digit : -digit);
     end = rounded_end(piece.end, start, piece.first);
   }
-  if (closed != (end[a] == start[a] && end[b] == start[b])) return false;
+  if (closed != same_place(start, end)) return false;
   const bool clockwise = nominal.sweep < 0;
   const int turns = whole ? std::max(1, static_cast<int>(std::ceil(std::abs(nominal.sweep) / kTurn - 1e-9))) : 1;
   const Word* r = instruction_.find(block_, 'R');
