@@ -247,7 +247,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Refusal{"G77 X1\n", "E-GCODE", 1, 1},                         // H18
                       Refusal{"G0 X0 Y0 Z0\nG41 D1\n", "E-CUTCOM", 2, 1},           // H25
                       Refusal{"M98 P100\n", "E-MCODE", 1, 1},                       // H29
-                      Refusal{"G0 X0\no100 call\n", "E-NUMBER", 2, 6},
+                      Refusal{"G0 X0\no100 call\n", "E-OWORD", 2, 1},
                       Refusal{"G0 X0\nO100\n", "E-OWORD", 2, 1},
                       Refusal{"G0 X1 X2\n", "E-BLOCK", 1, 7},
                       Refusal{"G0 G1 X2\n", "E-BLOCK", 1, 4},
