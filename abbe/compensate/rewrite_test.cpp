@@ -72,6 +72,18 @@ TEST(Rewrite, NothingIsInventedBeforeAllAxesAreKnown) {  // H19
   EXPECT_EQ(result.text, "G0 X10 Y10\nG0 Z5.0200 X9.9900\nG1 X19.9900 F100\nM2\n");
 }
 
+TEST(Rewrite, AToolChangeMayHaveMovedEveryAxis) {
+  // The control may stand at its place for changing tools: a Z word from before would make the tool dive.
+  const auto result = rewrite(offset_machine(), "G0 X0 Y0 Z5\nT1 M6\nG0 X50\nY20 Z30\nG1 X60 F100\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, "G0 X-0.0100 Y0 Z5.0200\nT1 M6\nG0 X50\nY20 Z30.0200 X49.9900\nG1 X59.9900 F100\nM2\n");
+  const std::string goes_on = "G0 X0 Y0 Z5\nT1 M6\nG1 X50 F100\nM2\n";
+  EXPECT_TRUE(rewrite(offset_machine(), goes_on).has("E-POS"));
+  RewriteJob stays = plain_job();
+  stays.setup.tool_change_keeps_place = true;
+  EXPECT_EQ(rewrite(offset_machine(), goes_on, stays).text, "G0 X-0.0100 Y0 Z5.0200\nT1 M6\nG1 X49.9900 F100\nM2\n");
+}
+
 TEST(Rewrite, FeedFromAnUnknownPositionIsRefused) {
   const auto result = rewrite(offset_machine(), "G0 X10 Y10\nG1 Z-5 F100\nM2\n");
   EXPECT_FALSE(result.report.complete);

@@ -80,6 +80,7 @@ class Control {
   Frames frames_;
   std::map<int, ToolEntry> tools_;
   std::optional<int> tool_, selected_;
+  bool tool_change_keeps_place_;
   Position u_, m_;   ///< program position + g92, and axis commands
   double unit_ = 1;  ///< mm per program unit
   int plane_ = 170, feed_mode_ = 940, mode_ = 800;
