@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "abbe/chain/plan_impl.h"
+#include "abbe/chain/walk.h"
 
 namespace abbe::kernel {
 namespace {
@@ -43,6 +44,72 @@ struct alignas(64) Row {
   return out;
 }
 
+/// Constant twists as numbers, neighbours in one: what stands before a translation t acts behind it as
+///   d' = d - e x t, e' = e
+class TwistFolder {
+ public:
+  explicit TwistFolder(const Plan::Impl& plan) : plan_(plan) {}
+
+  [[nodiscard]] std::vector<FlatOp> fold(const std::vector<Op>& ops) {
+    std::vector<FlatOp> out;
+    for (const Op& op : ops) {
+      if (op.kind != Op::Kind::twist || plan_.groups[static_cast<std::size_t>(op.index)].varies) {
+        out.push_back(flat(plan_, op));
+        continue;
+      }
+      FlatOp twist = fixed(op);
+      if (out.size() > 1 && out.back().kind == FlatOp::Kind::fixed_twist) {
+        const FlatOp& before = out.back();
+        const Vec3 d(before.u), e(before.a), t(before.t);
+        const Vec3 moved = d - e.cross(t);
+        for (int k = 0; k < 3; ++k) {
+          twist.u[k] += moved[k];
+          twist.a[k] += e[k];
+        }
+        // The translation now comes first: the step before the two takes it.
+        if (before.moves_on) {
+          out.pop_back();
+          move(out, t);
+        } else {
+          out.pop_back();
+        }
+      }
+      out.push_back(twist);
+    }
+    return out;
+  }
+
+ private:
+  static void move(std::vector<FlatOp>& ops, const Vec3& t) {
+    FlatOp& last = ops.back();
+    for (int k = 0; k < 3; ++k) last.t[k] += t[k];
+    last.moves_on = true;
+  }
+
+  [[nodiscard]] FlatOp fixed(const Op& op) const {
+    const Group& group = plan_.groups[static_cast<std::size_t>(op.index)];
+    Vec3 d, e;
+    bool outside = false;
+    evaluate<double>(plan_, group, Inputs<double>{}, d, e, &outside);
+    take_part<double>(op.part, group.is_rotary, op.u, d, e);
+    if (op.inverse) {
+      d = -d;
+      e = -e;
+    }
+    FlatOp out;
+    out.kind = FlatOp::Kind::fixed_twist;
+    for (int k = 0; k < 3; ++k) {
+      out.u[k] = d[k];
+      out.a[k] = e[k];
+      out.t[k] = op.t[k];
+    }
+    out.moves_on = op.t != Vec3::Zero();
+    return out;
+  }
+
+  const Plan::Impl& plan_;
+};
+
 static_assert(static_cast<int>(FlatOp::Kind::twist) == static_cast<int>(Op::Kind::twist));
 static_assert(static_cast<int>(FlatOp::Kind::rigid) == static_cast<int>(Op::Kind::rigid));
 static_assert(static_cast<int>(Part::along) == 1 && static_cast<int>(Part::across) == 2);
@@ -74,7 +141,7 @@ std::shared_ptr<const FlatPlan> FlatPlan::make(const Plan& plan) {
     for (const Op& op : from) to.push_back(flat(impl, op));
   };
   flatten(impl.actual, data.actual);
-  flatten(impl.first_order, data.first_order);
+  data.first_order = TwistFolder(impl).fold(impl.first_order);
   data.waves = impl.waves;
   data.knots = impl.knots;
   data.buckets = impl.buckets;

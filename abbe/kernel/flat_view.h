@@ -16,7 +16,8 @@ inline constexpr std::size_t kRow = 8;
 
 /// A step of the walk from the tool to the workpiece (see abbe::Op), with constants at hand.
 struct FlatOp {
-  enum class Kind : std::uint8_t { tip, slide, turn, affine, shift, rigid, linear, twist };
+  /// As in abbe::Op, and constant twists: displacement u, rotation a[0..2], signs included.
+  enum class Kind : std::uint8_t { tip, slide, turn, affine, shift, rigid, linear, twist, fixed_twist };
   enum class About : std::uint8_t { x, y, z, other };  ///< a turn's axis, up to its sign
   Kind kind = Kind::tip;
   About about = About::other;

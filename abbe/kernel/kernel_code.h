@@ -98,10 +98,12 @@ template <class V>
     for (int k = 0; k < kComponents; ++k)
       for (int p = 0; p < lanes_of<V>; ++p) set_lane(six[k], p, values[p][k]);
   } else {
-    const std::uint32_t i = segment_of(table, lane(x, 0));
+    const std::uint32_t s0 = segment_of(table, lane(x, 0)), s1 = segment_of(table, lane(x, lanes_of<V> - 1));
+    const std::uint32_t i = s0 < s1 ? s0 : s1, j = s0 < s1 ? s1 : s0;
     const double lo = i > 0 ? table.knots[i] : -__builtin_inf();
-    const double hi = i + 1 < table.segments ? table.knots[i + 1] : __builtin_inf();
-    if (lanes_outside(x, lo, hi) == 0) {
+    const double hi = j + 1 < table.segments ? table.knots[j + 1] : __builtin_inf();
+    const bool near = j <= i + 1 && lanes_outside(x, lo, hi) == 0;
+    if (near && i == j) {
       // All poses in one segment: its coefficients for everyone.
       const double* row = rows_of(table, i);
       const V t = x - table.knots[i];
@@ -109,6 +111,17 @@ template <class V>
       for (std::uint32_t power = 1; power < table.row_count; ++power) {
         row += kRow;
         for (int k = 0; k < kComponents; ++k) six[k] = six[k] * t + row[k];
+      }
+    } else if (near) {
+      // In two neighbours: each lane takes the coefficients of its own.
+      const double *row = rows_of(table, i), *next = rows_of(table, j);
+      const auto later = x >= table.knots[j];
+      const V t = x - (later ? all<V>(table.knots[j]) : all<V>(table.knots[i]));
+      for (int k = 0; k < kComponents; ++k) six[k] = later ? all<V>(next[k]) : all<V>(row[k]);
+      for (std::uint32_t power = 1; power < table.row_count; ++power) {
+        row += kRow;
+        next += kRow;
+        for (int k = 0; k < kComponents; ++k) six[k] = six[k] * t + (later ? all<V>(next[k]) : all<V>(row[k]));
       }
     } else {
       alignas(64) double values[lanes_of<V>][kRow];
@@ -168,7 +181,7 @@ template <class V>
 struct Turn {
   V s, c;
   FlatOp::About about;
-  V m[9] = {};
+  V m[9];  ///< only about other axes
 
   Turn(const FlatOp& op, V q) : about(op.about) {
     sine_and_cosine(q, s, c);
@@ -264,6 +277,7 @@ template <class V, bool Axis>
       break;
     }
     case Kind::twist:
+    case Kind::fixed_twist:
       break;
   }
   if (op.moves_on) p = p + broadcast<V>(op.t);

@@ -12,6 +12,7 @@ namespace {
 constexpr double kLeastTurn = 1e-6, kLeastVolume = 1e-3;
 /// What a radian of a rotary step counts in Kernel::correct_poses' `last`, mm.
 constexpr double kRadianLength = 300;
+constexpr double kNowhere[3] = {0, 0, 0};
 /// A step that is no correction any more, mm.
 constexpr double kMostStep = 100;
 
@@ -24,10 +25,10 @@ struct FirstOrder {
 };
 
 template <class V>
-void walk_first_order(const FlatView& plan, const Setting& setting, State<V>& state, FirstOrder<V>& f) {
+[[gnu::always_inline]] inline void walk_first_order(const FlatView& plan, const Setting& setting, State<V>& state, FirstOrder<V>& f) {
   using Kind = FlatOp::Kind;
-  f.p = f.dp = f.e = Triple<V>{};
-  f.a = broadcast<V>(setting.axis);
+  // In registers as far as they go.
+  Triple<V> p = broadcast<V>(kNowhere), dp = p, rotation = p, a = broadcast<V>(setting.axis);
   int seen[kMaxFlatAxes];
   int count = 0;
   for (std::uint32_t i = 0; i < plan.first_order_count; ++i) {
@@ -35,7 +36,7 @@ void walk_first_order(const FlatView& plan, const Setting& setting, State<V>& st
     const bool free = op.axis >= 0 && (setting.free >> op.axis & 1) != 0;
     switch (op.kind) {
       case Kind::slide:
-        f.p = f.p + broadcast<V>(op.u) * state.q[op.axis];
+        p = p + broadcast<V>(op.u) * state.q[op.axis];
         if (free) {
           f.position[op.axis] = broadcast<V>(op.u);
           seen[count++] = op.axis;
@@ -43,10 +44,10 @@ void walk_first_order(const FlatView& plan, const Setting& setting, State<V>& st
         break;
       case Kind::turn: {
         const Turn<V> turn(op, state.q[op.axis]);
-        f.p = turn(f.p);
-        f.a = turn(f.a);
-        f.dp = turn(f.dp);
-        f.e = turn(f.e);
+        p = turn(p);
+        a = turn(a);
+        dp = turn(dp);
+        rotation = turn(rotation);
         for (int k = 0; k < count; ++k) {
           const int axis = seen[k];
           f.position[axis] = turn(f.position[axis]);
@@ -54,8 +55,8 @@ void walk_first_order(const FlatView& plan, const Setting& setting, State<V>& st
         }
         if (free) {
           const Triple<V> u = broadcast<V>(op.u);
-          f.position[op.axis] = cross(u, f.p);
-          f.direction[op.axis] = cross(u, f.a);
+          f.position[op.axis] = cross(u, p);
+          f.direction[op.axis] = cross(u, a);
           seen[count++] = op.axis;
         }
         break;
@@ -64,17 +65,27 @@ void walk_first_order(const FlatView& plan, const Setting& setting, State<V>& st
         Triple<V> d, e;
         evaluate(plan, op, state, d, e);
         // dp += d + e x p, or -=
-        const Triple<V> by = d + cross(e, f.p);
-        f.dp = op.inverse ? f.dp - by : f.dp + by;
-        f.e = op.inverse ? f.e - e : f.e + e;
+        const Triple<V> by = d + cross(e, p);
+        dp = op.inverse ? dp - by : dp + by;
+        rotation = op.inverse ? rotation - e : rotation + e;
+        break;
+      }
+      case Kind::fixed_twist: {
+        const Triple<V> e = broadcast<V>(op.a);
+        dp = dp + broadcast<V>(op.u) + cross(e, p);
+        rotation = rotation + e;
         break;
       }
       default:
-        step<V, false>(plan, op, setting, state, f.p, f.a);
+        step<V, false>(plan, op, setting, state, p, a);
         continue;
     }
-    if (op.moves_on) f.p = f.p + broadcast<V>(op.t);
+    if (op.moves_on) p = p + broadcast<V>(op.t);
   }
+  f.p = p;
+  f.a = a;
+  f.dp = dp;
+  f.e = rotation;
 }
 
 /// The free axes, sorted: three linear ones and up to two rotary ones.

@@ -1,6 +1,10 @@
 // Packets, vectors of packets, sines of packets. See kernel_code.h for what may stand here.
 #pragma once
 
+#if defined(__SSE2__)
+#include <immintrin.h>  // always inlined: no symbols of their own
+#endif
+
 #include "abbe/kernel/kernel.h"
 
 namespace abbe::kernel {
@@ -14,6 +18,9 @@ constexpr std::size_t kNativeLanes = 4;
 constexpr std::size_t kNativeLanes = 2;
 #endif
 typedef double Native __attribute__((vector_size(8 * kNativeLanes)));
+/// Poses side by side in a batch. With AVX-512, too, four: its 32 registers then hold a whole walk, and four
+/// neighbours of a path are more often in one segment than eight.
+typedef double Packet __attribute__((vector_size(kNativeLanes > 2 ? 32 : 16)));
 typedef double Pair __attribute__((vector_size(16)));
 /// Registers that hold the six components of a row.
 constexpr std::size_t kNatives = (kComponents + kNativeLanes - 1) / kNativeLanes;
@@ -52,36 +59,63 @@ struct MaskOf {
   typedef long long type __attribute__((vector_size(sizeof(V))));
 };
 
+/// Bit i: lane i of a comparison holds.
+template <class M>
+inline unsigned bits_of(const M& mask) {
+#if defined(__AVX512F__)
+  if constexpr (sizeof(M) == 64) return _mm512_movepi64_mask((__m512i)mask);
+#endif
+#if defined(__AVX2__)
+  if constexpr (sizeof(M) == 32) return static_cast<unsigned>(_mm256_movemask_pd((__m256d)mask));
+#endif
+#if defined(__SSE2__)
+  if constexpr (sizeof(M) == 16) return static_cast<unsigned>(_mm_movemask_pd((__m128d)mask));
+#endif
+  unsigned bits = 0;
+  for (std::size_t i = 0; i < sizeof(M) / sizeof(double); ++i) bits |= (mask[i] != 0 ? 1u : 0u) << i;
+  return bits;
+}
+
+template <class V>
+constexpr unsigned kAllLanes = (1u << lanes_of<V>)-1;
+
 /// Bit i: lane i is not in [lo, hi] (or no number).
 template <class V>
 inline unsigned lanes_outside(const V& v, double lo, double hi) {
   if constexpr (lanes_of<V> == 1) {
     return v >= lo && v <= hi ? 0u : 1u;
   } else {
-    unsigned bits = 0;
-    typename MaskOf<V>::type inside = (v >= lo) & (v <= hi);
-    for (int i = 0; i < lanes_of<V>; ++i) bits |= (inside[i] == 0 ? 1u : 0u) << i;
-    return bits;
+    return ~bits_of<typename MaskOf<V>::type>((v >= lo) & (v <= hi)) & kAllLanes<V>;
   }
 }
-
 /// Bit i: |lane i| < limit (or no number).
 template <class V>
 inline unsigned lanes_within(const V& v, double limit) {
-  unsigned bits = 0;
-  for (int i = 0; i < lanes_of<V>; ++i) bits |= (__builtin_fabs(lane(v, i)) >= limit ? 0u : 1u) << i;
-  return bits;
+  if constexpr (lanes_of<V> == 1) {
+    return v >= limit || v <= -limit ? 0u : 1u;
+  } else {
+    return ~bits_of<typename MaskOf<V>::type>((v >= limit) | (v <= -limit)) & kAllLanes<V>;
+  }
 }
 
 template <class V>
 inline V root(V v) {
+#if defined(__AVX512F__)
+  if constexpr (sizeof(V) == 64) return (V)_mm512_maskz_sqrt_pd(0xff, (__m512d)v);
+#endif
+#if defined(__AVX2__)
+  if constexpr (sizeof(V) == 32) return (V)_mm256_sqrt_pd((__m256d)v);
+#endif
+#if defined(__SSE2__)
+  if constexpr (sizeof(V) == 16) return (V)_mm_sqrt_pd((__m128d)v);
+#endif
   for (int i = 0; i < lanes_of<V>; ++i) set_lane(v, i, __builtin_sqrt(lane(v, i)));
   return v;
 }
 
 template <class V>
 struct Triple {
-  V x{}, y{}, z{};
+  V x, y, z;  // not set: arrays of them are large
   friend Triple operator+(const Triple& a, const Triple& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
   friend Triple operator-(const Triple& a, const Triple& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
   friend Triple operator-(const Triple& a) { return {-a.x, -a.y, -a.z}; }

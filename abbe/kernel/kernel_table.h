@@ -9,22 +9,22 @@ void tips(const FlatView& plan, const Setting& setting, const double* const* q, 
           double* const* tip, unsigned char* lanes) {
   if (count == 1) return tips_of<double>(plan, setting, {q, 0, 1}, tip, lanes);
   if (count == 2) return tips_of<Pair>(plan, setting, {q, 0, 2}, tip, lanes);
-  for (std::size_t i = 0; i < count; i += kNativeLanes)
-    tips_of<Native>(plan, setting, {q, i, count}, tip, lanes);
+  for (std::size_t i = 0; i < count; i += lanes_of<Packet>)
+    tips_of<Packet>(plan, setting, {q, i, count}, tip, lanes);
 }
 
 void correct_poses(const FlatView& plan, const Setting& setting, const double* const* q, std::size_t count,
                    double* const* corrected, double* last, unsigned char* lanes) {
   const FreeAxes axes = free_axes_of(plan, setting);
   if (count == 1) return correct_packet<double>(plan, setting, axes, {q, 0, 1}, corrected, last, lanes);
-  for (std::size_t i = 0; i < count; i += kNativeLanes)
-    correct_packet<Native>(plan, setting, axes, {q, i, count}, corrected, last, lanes);
+  for (std::size_t i = 0; i < count; i += lanes_of<Packet>)
+    correct_packet<Packet>(plan, setting, axes, {q, i, count}, corrected, last, lanes);
 }
 
 }  // namespace
 
 const Kernel& ABBE_KERNEL_FUNCTION() {
-  static constexpr Kernel kernel = {ABBE_KERNEL_NAME, static_cast<int>(kNativeLanes), tips, correct_poses};
+  static constexpr Kernel kernel = {ABBE_KERNEL_NAME, lanes_of<Packet>, tips, correct_poses};
   return kernel;
 }
 

@@ -155,8 +155,8 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
 
   const double before_piece = std::clamp(cover.last_s, 0.0, 1.0);
   const bool takes_up_itself = job_.reversal && cover.length <= job_.tolerance + kCoarsestDigit;
-  const bool looks_inside = !takes_up_itself && (piece_length > straight_reach_ || piece.kind == MotionKind::arc ||
-                                                 original.kind == MotionKind::arc);
+  const bool looks_inside = (piece_length > straight_reach_ && !takes_up_itself) || piece.kind == MotionKind::arc ||
+                            original.kind == MotionKind::arc;
   double intervals = 1;
   if (looks_inside) {
     intervals = std::ceil(piece_length / kInterval);

@@ -3,7 +3,7 @@ cmake_minimum_required(VERSION 3.25)
 #   cmake -DROOT=<repository> -P layers.cmake
 # A stage is a folder of abbe/. Entries are stages, or single headers of a stage.
 
-set(stages core errors machine chain kernel symbols program compensate verify report pipeline)
+set(stages core errors machine chain kernel rt symbols program compensate verify report pipeline)
 set(core_may)
 set(errors_may core)
 set(machine_may core errors)
@@ -11,6 +11,7 @@ set(chain_may core errors machine)
 set(symbols_may core errors machine chain)
 set(program_may core machine/control_setup.h)
 set(kernel_may core errors machine chain)
+set(rt_may core errors machine chain kernel)
 set(compensate_may core errors machine chain kernel program)
 set(verify_may core errors machine chain kernel)  # neither program nor compensate: it judges them
 set(report_may core errors machine chain kernel program compensate verify)
@@ -72,7 +73,8 @@ foreach(stage ${stages})
         set(header ${CMAKE_MATCH_1})
         if(of_tests)
           continue()
-        elseif(file MATCHES "\\.h$" AND NOT header MATCHES "^(Eigen/[A-Za-z]+|[a-z0-9_]+)$")
+        elseif(file MATCHES "\\.h$" AND NOT header MATCHES "^(Eigen/[A-Za-z]+|[a-z0-9_]+|stddef\\.h)$" AND
+               NOT (stage STREQUAL "kernel" AND header STREQUAL "immintrin.h"))
           complain(${file} "a header shows only the standard library and Eigen, not <${header}>")
         elseif(header MATCHES "${third_party}")
           string(REGEX MATCH "^[^/]+" library ${header})

@@ -1,0 +1,227 @@
+#include "abbe/rt/abbe_rt.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <new>
+#include <string>
+
+#include "abbe/chain/correct.h"
+#include "abbe/machine/read_machine.h"
+
+#if defined(__SANITIZE_ADDRESS__)
+#define ABBE_COUNTS_ALLOCATIONS 0
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define ABBE_COUNTS_ALLOCATIONS 0
+#endif
+#endif
+#ifndef ABBE_COUNTS_ALLOCATIONS
+#define ABBE_COUNTS_ALLOCATIONS 1
+#endif
+
+namespace {
+std::size_t allocations = 0;
+}  // namespace
+
+#if ABBE_COUNTS_ALLOCATIONS
+[[gnu::noinline]] void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
+[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+#endif
+
+namespace {
+
+const char* const kMachine = R"(format = 1
+[machine]
+name = "five axes"
+chain = "w C A Y b X Z t"
+[axis.X]
+range = [-300, 300]
+[axis.Y]
+range = [-300, 300]
+errors_seen = "tool"
+[axis.Z]
+range = [-300, 300]
+[axis.A]
+direction = [-1, 0, 0]
+origin = [0, 0, -50]
+[axis.C]
+direction = [0, 0, -1]
+origin = [0, 30, -80]
+errors_seen = "tool"
+[tool]
+origin = [0, 0, 300]
+length = 150
+[workpiece]
+origin = [0, 30, -80]
+[errors]
+EXX = { poly = [0, 0.05, -1e-4] }
+EYX = { sine = [3, 0.02, 0.4] }
+EZZ = { poly = [2, 0.03], domain = [-280, 280] }
+EBZ = { poly = [0, 0.05] }
+EXC = { sine = [4, 1, 0] }
+EAC = { sine = [20, 1, 0.5] }
+EC0X = 30
+EB0A = 25
+EXY = { poly = [0, 0.2], of = "T1", reference = 20 }
+)";
+
+/// A machine file that is gone at the end of the test.
+struct File {
+  explicit File(const std::string& text)
+      : path(testing::TempDir() + "abbe_rt_" + std::to_string(reinterpret_cast<std::uintptr_t>(this)) + ".toml") {
+    std::FILE* f = std::fopen(path.c_str(), "w");
+    std::fputs(text.c_str(), f);
+    std::fclose(f);
+  }
+  ~File() { std::remove(path.c_str()); }
+  std::string path;
+};
+
+struct Model {
+  explicit Model(const std::string& text, const char* sensors = "T1=23.5") : file(text) {
+    std::array<char, 500> message;
+    model = abbe_rt_load(file.path.c_str(), sensors, message.data(), message.size());
+    why = message.data();
+  }
+  ~Model() { abbe_rt_free(model); }
+  File file;
+  abbe_rt_model* model = nullptr;
+  std::string why;
+};
+
+constexpr double kDeg = 3.14159265358979323846 / 180;
+
+TEST(RealTime, CorrectsAsTheLibraryDoes) {
+  const Model model(kMachine);
+  ASSERT_NE(model.model, nullptr) << model.why;
+  EXPECT_EQ(abbe_rt_version(), ABBE_RT_VERSION);
+  ASSERT_EQ(abbe_rt_axis_count(model.model), 5);
+  std::string names;
+  for (int i = 0; i < 5; ++i) names += abbe_rt_axis_name(model.model, i);
+  EXPECT_EQ(names, "CAYXZ");
+  EXPECT_EQ(abbe_rt_axis_name(model.model, 5), nullptr);
+  EXPECT_EQ(abbe_rt_is_rotary(model.model, 1), 1);
+  EXPECT_EQ(abbe_rt_is_rotary(model.model, 2), 0);
+  EXPECT_EQ(abbe_rt_gauge_length(model.model), 150);
+
+  const auto machine = abbe::read_machine_file(model.file.path).value.value();
+  const auto plan = std::get<abbe::Plan>(abbe::make_plan(machine, {{"T1", 23.5}}));
+  for (int i = 0; i < 200; ++i) {
+    const std::array<double, 5> q = {i * 0.03, 0.5 + 0.003 * i, 100.0 - i, -80.0 + i, 0.5 * i};
+    const double length = 100 + 0.3 * i;
+    abbe::Query query;
+    std::copy(q.begin(), q.end(), query.q.begin());
+    query.tool = abbe::tool_of(machine, length);
+    const abbe::Correction expected = abbe::correct(plan, query, 31, {});
+    ASSERT_EQ(expected.status, abbe::Status::ok);
+    std::array<double, 5> corrected;
+    double last = -1;
+    EXPECT_EQ(abbe_rt_correct(model.model, q.data(), length, corrected.data(), &last), ABBE_RT_OK);
+    double moved = 0;
+    for (std::size_t k = 0; k < 5; ++k) {
+      EXPECT_NEAR(corrected[k], expected.corrected[k], k < 2 ? 2e-9 : 1e-6);
+      moved = std::max(moved, std::abs(corrected[k] - q[k]));
+    }
+    EXPECT_GT(moved, 1e-3);
+    EXPECT_GE(last, 0);
+    EXPECT_LT(last, 1e-3);
+  }
+}
+
+TEST(RealTime, CorrectingAllocatesNothing) {
+  if (!ABBE_COUNTS_ALLOCATIONS) GTEST_SKIP() << "the sanitizer counts its own";
+  const Model model(kMachine);
+  ASSERT_NE(model.model, nullptr) << model.why;
+  std::array<double, 5> q = {0.1, 0.5, 10, 20, 30};
+  const std::size_t before = allocations;
+  for (int i = 0; i < 100; ++i) {
+    q[0] += 0.01;
+    std::array<double, 5> corrected;
+    static_cast<void>(abbe_rt_correct(model.model, q.data(), 120, corrected.data(), nullptr));
+  }
+  EXPECT_EQ(allocations, before);
+}
+
+TEST(RealTime, WhatCannotBeCorrectedIsHeld) {
+  const Model model(kMachine);
+  ASSERT_NE(model.model, nullptr) << model.why;
+  const double infinity = std::numeric_limits<double>::infinity();
+  const double strange[] = {std::nan(""), infinity, -infinity, 1e308};
+  for (const double x : strange) {
+    for (std::size_t axis = 0; axis < 5; ++axis) {
+      std::array<double, 5> q = {0.1, 0.5, 10, 20, 30}, corrected{};
+      q[axis] = x;
+      const abbe_rt_status status = abbe_rt_correct(model.model, q.data(), 120, corrected.data(), nullptr);
+      if (status != ABBE_RT_HELD) continue;  // 1e308 mm: outside, but a number
+      for (std::size_t k = 0; k < 5; ++k) {
+        if (k != axis) {
+          EXPECT_EQ(corrected[k], q[k]);
+        }
+      }
+    }
+    std::array<double, 5> q = {0.1, 0.5, 10, 20, 30}, corrected{};
+    if (!std::isfinite(x)) {
+      EXPECT_EQ(abbe_rt_correct(model.model, q.data(), x, corrected.data(), nullptr), ABBE_RT_HELD);
+      EXPECT_EQ(corrected, q);
+    }
+  }
+  // A = 0: C does not turn the tool's direction any more.
+  const std::array<double, 5> singular = {0.3, 0, 10, 20, 30};
+  std::array<double, 5> corrected{};
+  double last = -1;
+  EXPECT_EQ(abbe_rt_correct(model.model, singular.data(), 120, corrected.data(), &last), ABBE_RT_HELD);
+  EXPECT_EQ(corrected, singular);
+  EXPECT_EQ(last, 0);
+  // Beyond the domain of EZZ.
+  const std::array<double, 5> far = {0.3, 30 * kDeg, 10, 20, 290};
+  EXPECT_EQ(abbe_rt_correct(model.model, far.data(), 120, corrected.data(), nullptr), ABBE_RT_OUTSIDE);
+  EXPECT_NE(corrected, far);
+}
+
+TEST(RealTime, InPlaceIsAllowed) {
+  const Model model(kMachine);
+  ASSERT_NE(model.model, nullptr) << model.why;
+  const std::array<double, 5> q = {0.3, 0.5, 10, 20, 30};
+  std::array<double, 5> apart{}, same = q;
+  EXPECT_EQ(abbe_rt_correct(model.model, q.data(), 120, apart.data(), nullptr), ABBE_RT_OK);
+  EXPECT_EQ(abbe_rt_correct(model.model, same.data(), 120, same.data(), nullptr), ABBE_RT_OK);
+  EXPECT_EQ(apart, same);
+}
+
+TEST(RealTime, WhyAMachineIsNotLoaded) {
+  const std::string head = "format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z t\"\n[errors]\n";
+  EXPECT_EQ(abbe_rt_load(nullptr, nullptr, nullptr, 0), nullptr);
+  std::array<char, 12> small;
+  EXPECT_EQ(abbe_rt_load("/nowhere/at/all.toml", nullptr, small.data(), small.size()), nullptr);
+  EXPECT_EQ(std::string(small.data()).size(), small.size() - 1);
+
+  const Model sensor(kMachine, "");
+  EXPECT_EQ(sensor.model, nullptr);
+  EXPECT_NE(sensor.why.find("T1"), std::string::npos);
+  const Model text(kMachine, "T1=warm");
+  EXPECT_EQ(text.model, nullptr);
+  EXPECT_NE(text.why.find("T1=warm"), std::string::npos);
+  const Model broken(head + "EXQ = 1\n");
+  EXPECT_EQ(broken.model, nullptr);
+  EXPECT_NE(broken.why.find("error["), std::string::npos) << broken.why;
+  const Model two_axes("format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Z t\"\n[errors]\nEXX = 1\n");
+  EXPECT_EQ(two_axes.model, nullptr);
+  EXPECT_NE(two_axes.why.find("three linear"), std::string::npos);
+  const Model direction(head + "EXX = { forward = { poly = [1] }, backward = { poly = [2] } }\n");
+  EXPECT_EQ(direction.model, nullptr);
+  EXPECT_NE(direction.why.find("approach"), std::string::npos);
+  const Model simple(head + "EXX = { poly = [1, 0.1] }\n", nullptr);
+  EXPECT_NE(simple.model, nullptr) << simple.why;
+}
+
+}  // namespace
