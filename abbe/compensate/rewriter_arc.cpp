@@ -37,9 +37,8 @@ constexpr double kSpiralTolerance = 1e-3;
 
 }  // namespace
 
-std::optional<Arc> Rewriter::nominal_arc(const Move& move, const Vec3& p0, const Vec3& p1) {
+std::optional<Arc> Rewriter::nominal_arc(const Vec3& p0, const Vec3& p1) {
   const int a = plane_axes(modal_.plane)[0], b = plane_axes(modal_.plane)[1];
-  static_cast<void>(move);
   const bool clockwise = instruction_.motion == 20;
   const Word* r = instruction_.find(block_, 'R');
   const std::array<const Word*, 3> centre_word = {instruction_.find(block_, 'I'), instruction_.find(block_, 'J'), instruction_.find(block_, 'K')};
@@ -266,7 +265,7 @@ bool Rewriter::arc(const Move& move, std::string& out) {
     refuse_block("E-ROTATION", "an arc out of the XY plane in a rotated work offset", "it is not an arc of the machine's axes", "set the offset without rotation");
     return false;
   }
-  const auto nominal = nominal_arc(move, in_.frames.to_program(move.m0), in_.frames.to_program(move.m1));
+  const auto nominal = nominal_arc(in_.frames.to_program(move.m0), in_.frames.to_program(move.m1));
   if (!nominal) return false;
   ++report_.arcs_in;
   if (!read_stretches(*nominal)) return false;

@@ -33,7 +33,6 @@ class Control {
   [[nodiscard]] std::optional<int> tool() const { return tool_; }
   [[nodiscard]] bool inch() const { return unit_ != 1; }
   [[nodiscard]] bool ended() const { return ended_; }
-  [[nodiscard]] const Position& machine_position() const { return m_; }
 
  private:
   bool refuse(std::size_t column, const char* code, std::string message, std::string why, std::string fix);
