@@ -14,6 +14,8 @@ constexpr double kOpenTravel = 5000;  // mm, of an axis without travels
 constexpr double kSecondOrder = 1.01;  // products of errors, which the sum above leaves out
 // Slope jumps below this (mm/mm, and rad/mm times the lever) are rounding of splines and of tabulated sines.
 constexpr double kNoJump = 1e-9;
+// Steps of the errors themselves below this (mm) are rounding: knots closer than rounding are one.
+constexpr double kNoStep = 1e-8;
 
 /// Largest first and second derivatives and slope jumps, one number for displacements, one for rotations.
 struct Bounds {
@@ -87,17 +89,25 @@ class TableBounds {
   void add_jump(std::uint32_t i, double lever) {
     const double at = knot(i);
     if (table_.period == 0 && (at < lo_ || at > hi_)) return;
-    double d = 0, e = 0;
+    double d = 0, e = 0, step = 0;
     for (int component = 0; component < kComponents; ++component) {
       const double before = slope(i - 1, at - knot(i - 1), component);
       const double behind = slope(i, 0, component);
       (component < 3 ? d : e) += std::abs(behind - before);
+      step += std::abs(value(i - 1, at - knot(i - 1), component) - value(i, 0, component)) *
+              (component < 3 ? 1 : lever);
     }
+    if (step > kNoStep) out_.d_jump = kInfinity;  // no length is short enough
     if (d + e * lever <= kNoJump) return;
     out_.d_jump = std::max(out_.d_jump, d);
     out_.e_jump = std::max(out_.e_jump, e);
     out_.knot_distance = std::min(out_.knot_distance, at - last_jump_);
     last_jump_ = at;
+  }
+  [[nodiscard]] double value(std::uint32_t segment, double t, int component) const {
+    double sum = 0;
+    for (std::uint32_t power = table_.rows; power-- > 0;) sum = sum * t + coefficient(segment, power, component);
+    return sum;
   }
   [[nodiscard]] double slope(std::uint32_t segment, double t, int component) const {
     double value = 0;
@@ -112,7 +122,7 @@ class TableBounds {
   Bounds out_;
 };
 
-/// No point of the chain is farther from the tip.
+/// No point of the chain, and no place where an error was measured, is farther from the tip.
 [[nodiscard]] double chain_length(const Plan::Impl& plan, const Tool& tool) {
   double length = tool.tip.norm();
   for (const Op& op : plan.first_order) {
@@ -122,6 +132,11 @@ class TableBounds {
     const double reach = std::max(std::abs(plan.lo[k]), std::abs(plan.hi[k]));
     length += std::isfinite(reach) ? reach : kOpenTravel;
   }
+  // Displacements that were measured elsewhere turn about that place.
+  double lever = 0;
+  for (const Group& group : plan.groups)
+    if (group.has_lever) lever = std::max(lever, group.lever.norm());
+  length += lever;
   return length;
 }
 

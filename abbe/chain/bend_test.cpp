@@ -68,5 +68,53 @@ TEST(Bend, WhatIsNotTabulatedHasNoReach) {
   EXPECT_EQ(straight_reach(std::get<Plan>(make_plan(machine, kWarm)), tool_of(machine), 1e-3), 0);
 }
 
+/// "w b X Y Z t" with travels of 10 mm and one error of X.
+Machine small_machine(const char* name, ErrorFunction function) {
+  Machine machine;
+  machine.units = FileUnits{1, 1, 1, 1};
+  for (int k = 0; k < 3; ++k) {
+    Body body;
+    body.name = body.address = std::string(1, "XYZ"[k]);
+    body.direction = Vec3::Unit(k);
+    body.range = {-10, 10};
+    body.order = line_order();
+    body.axis = k;
+    machine.bodies.push_back(body);
+    machine.axes.push_back(k);
+    machine.variables.push_back({Variable::Kind::position, body.name, k});
+  }
+  ErrorTerm term;
+  term.name = *read_error_name(name);
+  term.function = std::move(function);
+  machine.errors.push_back(term);
+  return machine;
+}
+
+TEST(Bend, FarMeasuringPointsLengthenTheLever) {
+  // The displacement was measured 2 m above: the tip moves by 1.5e-6 sin(x / mm) 2 m.
+  Machine machine = small_machine("EBX", *ErrorFunction::sine(0, 1.5e-6, 1.0, 0));
+  machine.bodies[0].measured_at = Vec3(0, 0, 2000);
+  const Plan plan = std::get<Plan>(make_plan(machine, {}));
+  const double bend = 1e-4;
+  const double reach = straight_reach(plan, tool_of(machine), bend);
+  ASSERT_GT(reach, 0);
+  double worst = 0;
+  for (double x = -9; x + reach <= 10; x += 0.1) {
+    Query from, to, middle;
+    from.tool = to.tool = middle.tool = tool_of(machine);
+    from.q[0] = x, to.q[0] = x + reach, middle.q[0] = x + reach / 2;
+    worst = std::max(worst, (error_at(plan, middle) - (error_at(plan, from) + error_at(plan, to)) / 2).norm());
+  }
+  EXPECT_LE(worst, bend);
+  EXPECT_GT(worst, bend / 4);
+}
+
+TEST(Bend, AStepHasNoReach) {
+  // Two positions that are one in double arithmetic: 3 um at once.
+  const Machine machine =
+      small_machine("EYX", *ErrorFunction::table(0, {-10, 5, 5 + 2e-15, 10}, {0, 0, 0.003, 0.003}, ErrorFunction::Interpolation::linear));
+  EXPECT_EQ(straight_reach(std::get<Plan>(make_plan(machine, {})), tool_of(machine), 1e-3), 0);
+}
+
 }  // namespace
 }  // namespace abbe

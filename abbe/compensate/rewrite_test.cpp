@@ -40,6 +40,19 @@ TEST(Rewrite, ZeroErrorsLeaveRadiusWordsAlone) {
   EXPECT_EQ(result.text, program);
 }
 
+TEST(Rewrite, ZeroErrorsLeaveFullCirclesAloneInEveryFrame) {
+  const std::string program =
+      "G0 X1.222336 Y0.3 Z5\nG2 X1.222336 Y0.3 I-2.828427 J-2.828427 F100\nG3 X1.222336 Y0.3 Z4 I-2.828427 J-2.828427\n"
+      "G91 G2 X0 Y0 I1.1 J0.7\nM2\n";
+  for (const std::array<double, 3>& origin : {std::array<double, 3>{1, 2, 3}, {1.1, 2.7, 0.3}, {-120.5, 40.123, -210}}) {
+    RewriteJob job = plain_job();
+    job.setup.work_offsets[0] = WorkOffset{origin, 0};
+    const auto result = rewrite(three_axes({}), program, job);
+    ASSERT_TRUE(result.report.complete) << result.findings();
+    EXPECT_EQ(result.text, program);
+  }
+}
+
 TEST(Rewrite, CorrectionOpposesTheError) {
   const auto result = rewrite(offset_machine(), "G0 X0 Y0 Z5\nG1 X100 F500\nM2\n");
   ASSERT_TRUE(result.report.complete) << result.findings();
@@ -57,6 +70,18 @@ TEST(Rewrite, NothingIsInventedBeforeAllAxesAreKnown) {  // H19
   const auto result = rewrite(offset_machine(), "G0 X10 Y10\nG0 Z5\nG1 X20 F100\nM2\n");
   ASSERT_TRUE(result.report.complete) << result.findings();
   EXPECT_EQ(result.text, "G0 X10 Y10\nG0 Z5.0200 X9.9900\nG1 X19.9900 F100\nM2\n");
+}
+
+TEST(Rewrite, AToolChangeMayHaveMovedEveryAxis) {
+  // The control may stand at its place for changing tools: a Z word from before would make the tool dive.
+  const auto result = rewrite(offset_machine(), "G0 X0 Y0 Z5\nT1 M6\nG0 X50\nY20 Z30\nG1 X60 F100\nM2\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, "G0 X-0.0100 Y0 Z5.0200\nT1 M6\nG0 X50\nY20 Z30.0200 X49.9900\nG1 X59.9900 F100\nM2\n");
+  const std::string goes_on = "G0 X0 Y0 Z5\nT1 M6\nG1 X50 F100\nM2\n";
+  EXPECT_TRUE(rewrite(offset_machine(), goes_on).has("E-POS"));
+  RewriteJob stays = plain_job();
+  stays.setup.tool_change_keeps_place = true;
+  EXPECT_EQ(rewrite(offset_machine(), goes_on, stays).text, "G0 X-0.0100 Y0 Z5.0200\nT1 M6\nG1 X49.9900 F100\nM2\n");
 }
 
 TEST(Rewrite, FeedFromAnUnknownPositionIsRefused) {
@@ -234,7 +259,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Refusal{"G77 X1\n", "E-GCODE", 1, 1},                         // H18
                       Refusal{"G0 X0 Y0 Z0\nG41 D1\n", "E-CUTCOM", 2, 1},           // H25
                       Refusal{"M98 P100\n", "E-MCODE", 1, 1},                       // H29
-                      Refusal{"G0 X0\no100 call\n", "E-NUMBER", 2, 6},
+                      Refusal{"G0 X0\no100 call\n", "E-OWORD", 2, 1},
                       Refusal{"G0 X0\nO100\n", "E-OWORD", 2, 1},
                       Refusal{"G0 X1 X2\n", "E-BLOCK", 1, 7},
                       Refusal{"G0 G1 X2\n", "E-BLOCK", 1, 4},

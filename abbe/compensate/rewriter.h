@@ -72,7 +72,6 @@ class Rewriter {
   /// False: refused.
   bool straight(const Move& move, std::string& out);
   void uncorrected(const Move& move, std::string& out);
-  bool corrected_end(const Move& move, const std::array<signed char, 3>& approach, Vec3& q);
   bool sample_line(const Move& move, const Vec3& end_correction, const std::array<signed char, 3>& approach);
   std::optional<Vec3> correction_at(const Vec3& m, unsigned withheld, const std::array<signed char, 3>& approach);
   bool feed_allowed(const Move& move);
@@ -109,7 +108,7 @@ class Rewriter {
   std::optional<Vec3> place_to_take_up(const Arc& nominal, double s, const Vec3& p_out);
   /// Commands the place `want` by a straight move; the first block of an arc becomes that move.
   void take_up_on_arc(const Vec3& want, bool first, Vec3& p_out, std::string* extra);
-  std::optional<Arc> nominal_arc(const Move& move, const Vec3& p0, const Vec3& p1);
+  std::optional<Arc> nominal_arc(const Vec3& p0, const Vec3& p1);
   struct ArcPiece {
     double s0 = 0, s1 = 1;
     Vec3 end = Vec3::Zero();   ///< wanted, output program coordinates
@@ -170,7 +169,6 @@ class Rewriter {
   std::array<bool, 9> frame_reported_{};
 
   bool percent_first_ = false, percent_seen_ = false, any_block_ = false, ended_ = false, header_written_ = false;
-  bool blank_only_ = true;
 
   struct Cycle {
     GCode code = -1;

@@ -37,9 +37,8 @@ constexpr double kSpiralTolerance = 1e-3;
 
 }  // namespace
 
-std::optional<Arc> Rewriter::nominal_arc(const Move& move, const Vec3& p0, const Vec3& p1) {
+std::optional<Arc> Rewriter::nominal_arc(const Vec3& p0, const Vec3& p1) {
   const int a = plane_axes(modal_.plane)[0], b = plane_axes(modal_.plane)[1];
-  static_cast<void>(move);
   const bool clockwise = instruction_.motion == 20;
   const Word* r = instruction_.find(block_, 'R');
   const std::array<const Word*, 3> centre_word = {instruction_.find(block_, 'I'), instruction_.find(block_, 'J'), instruction_.find(block_, 'K')};
@@ -120,21 +119,23 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
   piece.s1 = s1;
   // A full circle ends exactly where it starts.
   const Vec3 nominal_start = part.at(0), nominal_end = part.at(1);
-  const bool closed = std::hypot(nominal_end[a] - nominal_start[a], nominal_end[b] - nominal_start[b]) < 1e-9;
+  // Passing through the work offset leaves rounding: the control reads ends this close as one point, a full circle.
+  const auto same_place = [&](const Vec3& p, const Vec3& q) { return std::hypot(p[a] - q[a], p[b] - q[b]) < kUnchanged; };
+  const bool closed = same_place(nominal_start, nominal_end);
   piece.end = targets_.back().point;
   if (closed) {
     piece.end[a] = start[a];
     piece.end[b] = start[b];
   }
   Vec3 end = rounded_end(piece.end, start, piece.first);
-  if (!closed && end[a] == start[a] && end[b] == start[b]) {
+  if (!closed && same_place(start, end)) {
     // The rounded end fell on the start, which would be a full circle: one last digit onwards along the chord.
     const int along = std::abs(nominal_end[a] - nominal_start[a]) >= std::abs(nominal_end[b] - nominal_start[b]) ? a : b;
     const double digit = 2 * half_digit(decimals_of(axis_word(along))) * modal_.unit();
     piece.end[along] = start[along] + (nominal_end[along] > nominal_start[along] ? digit : -digit);
     end = rounded_end(piece.end, start, piece.first);
   }
-  if (closed != (end[a] == start[a] && end[b] == start[b])) return false;
+  if (closed != same_place(start, end)) return false;
   const bool clockwise = nominal.sweep < 0;
   const int turns = whole ? std::max(1, static_cast<int>(std::ceil(std::abs(nominal.sweep) / kTurn - 1e-9))) : 1;
   const Word* r = instruction_.find(block_, 'R');
@@ -264,7 +265,7 @@ bool Rewriter::arc(const Move& move, std::string& out) {
     refuse_block("E-ROTATION", "an arc out of the XY plane in a rotated work offset", "it is not an arc of the machine's axes", "set the offset without rotation");
     return false;
   }
-  const auto nominal = nominal_arc(move, in_.frames.to_program(move.m0), in_.frames.to_program(move.m1));
+  const auto nominal = nominal_arc(in_.frames.to_program(move.m0), in_.frames.to_program(move.m1));
   if (!nominal) return false;
   ++report_.arcs_in;
   if (!read_stretches(*nominal)) return false;

@@ -32,7 +32,7 @@ bool Rewriter::change_tool(std::optional<int> number) {
   datum_dirty_ = true;
   if (gauge.touch_off && angular_) {
     refuse_block("E-GAUGE", fmt::format("tool {}: the table's Z offset {:.4f} is a touch-off value, not a gauge length",
-                                        number.value_or(0), gauge.length),
+                                        *number, job_.setup.tools.at(*number).offset[2]),
                  "the machine's angular errors act through the tool's length",
                  "give the gauge length: --gauge T3=112.4, or gauge=112.4 in the tool table's comment");
     return false;
@@ -65,6 +65,11 @@ bool Rewriter::settings() {
     if (!selected_tool_) {
       refuse_block("E-TOOL", "M6 without a tool selected by T", "the tool in the spindle is not known", "write T1 M6");
       return false;
+    }
+    // The control may have moved to its place for changing tools, and it stays there.
+    if (!job_.setup.tool_change_keeps_place) {
+      known_ = withheld_ = 0;
+      start_corrected_ = false;
     }
     if (!change_tool(selected_tool_)) return false;
   }

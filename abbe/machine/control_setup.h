@@ -38,6 +38,7 @@ struct ControlSetup {
   std::array<std::optional<double>, 3> start;   ///< machine position before the program, if known
   enum class BlockDelete { unknown, on, off };  ///< on: blocks with '/' are skipped
   BlockDelete block_delete = BlockDelete::unknown;
+  bool tool_change_keeps_place = false;  ///< false: after M6 no axis is known to stand where it was
 };
 
 /// "G54" .. "G59", "G59.1" .. "G59.3" -> 0..8; nullopt otherwise.

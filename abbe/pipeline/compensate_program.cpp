@@ -274,7 +274,13 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   report.verify = &outcome.verify;
   if (outcome.verify.stopped) return without_output(ProgramEnd::stopped);
   if (!unchanged(run, *input)) return std::move(run.outcome);
-  if (!outcome.verify.agrees) return without_output(ProgramEnd::disagrees);
+  if (!outcome.verify.agrees) {
+    // What the second reader does not understand in the original is no disagreement.
+    const bool refused = std::any_of(outcome.verify.diagnostics.begin(), outcome.verify.diagnostics.end(), [&](const Diagnostic& d) {
+      return d.severity == Severity::error && d.code.starts_with("E-") && d.place.file == input->name;
+    });
+    return without_output(refused ? ProgramEnd::refused : ProgramEnd::disagrees);
+  }
   std::vector<Extra> extras;
   finish_reports(run, report, extras);
   if (job.header == HeaderForm::sidecar && !job.output.empty()) extras.push_back({job.output + ".abbe.json", outcome.json});

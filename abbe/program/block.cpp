@@ -96,7 +96,9 @@ std::string_view without_eol(std::string_view line) {
   return line;
 }
 
-std::optional<BlockError> read_block(std::string_view line, Block& block) {
+namespace {
+
+std::optional<BlockError> read_words(std::string_view line, Block& block) {
   block.text = without_eol(line);
   block.eol = line.substr(block.text.size());
   block.slash = block.percent = block.has_comment = false;
@@ -193,6 +195,20 @@ std::optional<BlockError> read_block(std::string_view line, Block& block) {
     }
   }
   return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<BlockError> read_block(std::string_view line, Block& block) {
+  std::optional<BlockError> error = read_words(line, block);
+  if (!error || (error->code != std::string_view("E-NUMBER") && error->code != std::string_view("E-EXPR"))) return error;
+  // O100 SUB, O<NAME> CALL: what is not a word belongs to the subprogram or loop.
+  const std::string_view text = block.text;
+  std::size_t at = block.count == 0 ? skip_blanks(text, block.slash_end) : block.words[0].begin;
+  if (block.count > 0 && block.words[0].letter == 'N') at = skip_blanks(text, block.words[0].end);
+  if (at >= text.size() || (text[at] != 'O' && text[at] != 'o')) return error;
+  return BlockError{"E-OWORD", at, 1, "subprograms and flow control are not followed",
+                    "where the axes go depends on how the program runs", "post the program without loops and calls"};
 }
 
 }  // namespace abbe

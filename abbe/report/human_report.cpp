@@ -86,7 +86,7 @@ std::string machine_text(const Machine& machine) {
 std::string verdict(const ProgramReport& report) {
   switch (result_of(report)) {
     case ProgramResult::refused:
-      return "refused: the program is not safely understood; nothing is written";
+      return "refused, for the reasons above; nothing is written";
     case ProgramResult::outside:
       return "outside the calibrated volume or the travels; nothing is written";
     case ProgramResult::disagrees:

@@ -67,7 +67,6 @@ class Comparison {
                        const Vec3& error_to, const Vec3& tip_to, const Vec3& command, const Vec3& tip,
                        int depth);
   void account(Cover& cover, const Motion& piece, double t, const Vec3& command, const Vec3& tip);
-  void check_piece_feed(Cover& cover, const Motion& piece);
   void conclude(Cover& cover);
 
   /// Tip at the start of a motion: mostly where the last one ended, and then already known.

@@ -19,7 +19,10 @@ bool is_cycle(int code) { return code >= 730 && code != kNoMotion; }
 }  // namespace
 
 Control::Control(const ControlSetup& setup)
-    : frames_(frames_of(setup)), tools_(setup.tools), tool_(setup.loaded_tool) {
+    : frames_(frames_of(setup)),
+      tools_(setup.tools),
+      tool_(setup.loaded_tool),
+      tool_change_keeps_place_(setup.tool_change_keeps_place) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (!setup.start[i]) continue;
     m_.at[static_cast<Eigen::Index>(i)] = *setup.start[i];
@@ -244,6 +247,11 @@ bool Control::tool_codes(int code) {
                     "select the tool with T");
     tool_ = selected_;
     add(EventKind::m_code, 6);
+    // Where the control changes tools (TOOL_CHANGE_POSITION and others of its configuration) it stays.
+    if (!tool_change_keeps_place_) {
+      m_ = Position{};
+      u_ = program_of(frames_, m_);
+    }
     return true;
   }
   int number = 0;

@@ -33,7 +33,6 @@ class Control {
   [[nodiscard]] std::optional<int> tool() const { return tool_; }
   [[nodiscard]] bool inch() const { return unit_ != 1; }
   [[nodiscard]] bool ended() const { return ended_; }
-  [[nodiscard]] const Position& machine_position() const { return m_; }
 
  private:
   bool refuse(std::size_t column, const char* code, std::string message, std::string why, std::string fix);
@@ -80,6 +79,7 @@ class Control {
   Frames frames_;
   std::map<int, ToolEntry> tools_;
   std::optional<int> tool_, selected_;
+  bool tool_change_keeps_place_;
   Position u_, m_;   ///< program position + g92, and axis commands
   double unit_ = 1;  ///< mm per program unit
   int plane_ = 170, feed_mode_ = 940, mode_ = 800;

@@ -30,6 +30,10 @@ constexpr double kSmallArc = 20;
 /// this program are written with, so that a place where it turns belongs to the piece before or after it.
 constexpr double kTurned = 0.2;
 
+/// A motion no longer than the tolerance and this has no room for another one that takes up lost motion: it does
+/// so itself, and only where it ends counts.
+constexpr double kCoarsestDigit = 0.5 * um;
+
 constexpr double kTimeTolerance = 1e-3;   // of the whole time in G93
 constexpr double kShareTolerance = 1e-2;  // of a piece's share of it
 
@@ -150,9 +154,8 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   }
 
   const double before_piece = std::clamp(cover.last_s, 0.0, 1.0);
-  // A motion shorter than what is allowed has no inside: it may be all lost motion taken up.
-  const bool tiny = job_.reversal && cover.length <= cover.allowed;
-  const bool looks_inside = (piece_length > straight_reach_ && !tiny) || piece.kind == MotionKind::arc ||
+  const bool takes_up_itself = job_.reversal && cover.length <= job_.tolerance + kCoarsestDigit;
+  const bool looks_inside = (piece_length > straight_reach_ && !takes_up_itself) || piece.kind == MotionKind::arc ||
                             original.kind == MotionKind::arc;
   double intervals = 1;
   if (looks_inside) {

@@ -233,7 +233,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Refusal{"G0 X1 I2\n", "E-WORD", 1, 7}, Refusal{"G0 X1 H2\n", "E-WORD", 1, 7},
                     Refusal{"G55 G0 X1\n", "E-WCS", 1, 1}, Refusal{"G91 G10 L2 P1 X1\n", "E-G10", 1, 9},
                     Refusal{"G10 L1 P1 Z1\n", "E-G10", 1, 5}, Refusal{"G28 X0\nG1 X5 F1\n", "E-POS", 2, 1},
-                    Refusal{"G28 X0\nG92 X5\n", "E-POS", 2, 1}, Refusal{"G43 H7\n", "E-TOOL", 1, 1},
+                    Refusal{"G28 X0\nG92 X5\n", "E-POS", 2, 1}, Refusal{"G0 X0 Y0 Z0\nT1 M6\nG1 X5 F1\n", "E-POS", 3, 1}, Refusal{"G43 H7\n", "E-TOOL", 1, 1},
                     Refusal{"M6\n", "E-TOOL", 1, 1}, Refusal{"G91 G53 G0 X1\n", "E-G53", 1, 5},
                     Refusal{"G53 G2 X1 I1\n", "E-G53", 1, 1}, Refusal{"G1 F1\nG2 X1 Y1\n", "E-ARC", 2, 1},
                     Refusal{"G2 X0 Y0 R5 F1\n", "E-ARC", 1, 10}, Refusal{"G2 X10 Y0 I4 F1\n", "E-ARC", 1, 1},

@@ -121,6 +121,7 @@ void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) 
   verb.add_option("--tool", a.tool, "number of the tool in the spindle at the start");
   verb.add_option("--start", a.start, "machine position before the program, e.g. X0,Y0,Z0")->delimiter(';');
   verb.add_option("--block-delete", a.block_delete, "blocks with '/': on = skipped, off = executed")->check(CLI::IsMember({"on", "off"}));
+  verb.add_option("--tool-change", a.tool_change, "moves: after M6 the axes may stand elsewhere; keeps: they stand where they were")->check(CLI::IsMember({"moves", "keeps"}))->capture_default_str();
   verb.add_option("--datum", a.datum, "probed: the work offset was touched off on this machine; ideal: it is true")->check(CLI::IsMember({"probed", "ideal"}))->capture_default_str();
   verb.add_option("--tolerance-um", a.tolerance_um, "what interpolation may leave")->check(CLI::Range(0.01, 1000.0))->capture_default_str();
   verb.add_option("--max-correction-um", a.max_correction_um, "larger corrections are refused")->check(CLI::Range(1.0, 1e5))->capture_default_str();
@@ -154,6 +155,7 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, Se
     }
   }
   setup.loaded_tool = a.tool;
+  setup.tool_change_keeps_place = a.tool_change == "keeps";
   using BlockDelete = ControlSetup::BlockDelete;
   if (!a.block_delete.empty()) setup.block_delete = a.block_delete == "on" ? BlockDelete::on : BlockDelete::off;
   if (!a.common.approach.empty()) findings.push_back(option_error("--approach", "a program states its own directions", "leave it out; --reversal uses them"));

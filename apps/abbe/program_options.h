@@ -16,7 +16,7 @@ struct ProgramArguments {
   CommonArguments common;
   std::string dialect = "linuxcnc";
   std::vector<std::string> offsets, gauges, start;
-  std::string tools, parameters, block_delete, datum = "probed", header = "inline";
+  std::string tools, parameters, block_delete, tool_change = "moves", datum = "probed", header = "inline";
   std::optional<int> tool;
   double tolerance_um = 1, max_correction_um = 500;
   bool reversal = false;

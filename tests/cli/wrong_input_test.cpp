@@ -5,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -230,6 +231,30 @@ TEST_F(WrongInput, OutputThatCannotBeWrittenIsNoSuccess) {
   ::close(pipe[0]);
   EXPECT_EQ(exit_with_output({"describe", machine_}, pipe[1]), 1);
   ::close(pipe[1]);
+}
+
+TEST_F(WrongInput, AFileSizeLimitLeavesNothingBehind) {
+  std::string program = "G54\nG0 X0 Y0 Z0\n";
+  for (int i = 0; i < 20000; ++i) program += i % 2 == 0 ? "G0 X1\n" : "G0 X2\n";
+  const std::string part = folder_.put("part.ngc", program);
+  const Folder target;
+  const std::string out = target / "out.ngc";
+  const pid_t child = ::fork();
+  if (child == 0) {
+    const struct rlimit small = {8192, 8192};
+    ::setrlimit(RLIMIT_FSIZE, &small);
+    const int nowhere = ::open("/dev/null", O_WRONLY);
+    ::dup2(nowhere, STDOUT_FILENO);
+    ::dup2(nowhere, STDERR_FILENO);
+    ::execl(ABBE_PROGRAM, "abbe", "compensate", machine_.c_str(), part.c_str(), "-o", out.c_str(), "--set", "T1=20",
+            "--offset", "G54=X0,Y0,Z0", nullptr);
+    ::_exit(127);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 1);
+  EXPECT_TRUE(std::filesystem::is_empty(target.path()));
 }
 
 TEST_F(WrongInput, InterruptEndsTheWaitForStandardInput) {

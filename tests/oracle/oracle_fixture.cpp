@@ -35,6 +35,7 @@ ControlSetup setup_of_oracle() {
   setup.work_offsets.fill(WorkOffset{});
   setup.start = {0.0, 0.0, 0.0};
   setup.block_delete = ControlSetup::BlockDelete::off;
+  setup.tool_change_keeps_place = true;  // the interpreter alone has no place for changing tools
   std::ifstream file(kToolTable);
   std::ostringstream text;
   text << file.rdbuf();
