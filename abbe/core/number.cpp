@@ -182,10 +182,11 @@ double append_fixed(std::string& out, double value, int decimals) {
   if (!exact || decimals > kMaxScaledDecimals) return append_fixed_slow(out, value, decimals);
 
   const bool negative = value < 0 && n != 0;
-  std::array<char, kScaledSize> buffer;
-  buffer[0] = '-';
-  const std::size_t sign = negative ? 1 : 0;
-  out.append(buffer.data(), sign + write_scaled(buffer.data() + sign, n, decimals));
+  // Written in place: copied from a buffer, the bytes just stored would have to be waited for.
+  const std::size_t begin = out.size(), sign = negative ? 1 : 0;
+  out.resize(begin + kScaledSize);
+  out[begin] = '-';
+  out.resize(begin + sign + write_scaled(out.data() + begin + sign, n, decimals));
   // n <= 2^52 and 10^decimals are exact: this is the double nearest to what was written.
   const double seen = static_cast<double>(n) / kPower10[static_cast<std::size_t>(decimals)];
   return negative ? -seen : seen;

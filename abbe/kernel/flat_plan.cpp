@@ -183,6 +183,14 @@ std::shared_ptr<const FlatPlan> FlatPlan::make(const Plan& plan) {
     to.table_count = group.table_count;
   }
 
+  for (auto* ops : {&data.actual, &data.first_order}) {
+    for (FlatOp& op : *ops) {
+      if (op.group < 0 || op.part != 0) continue;
+      const FlatGroup& group = data.groups[static_cast<std::size_t>(op.group)];
+      if (group.table_count == 1 && !group.has_lever) op.table = group.tables;
+    }
+  }
+
   FlatView& view = out->view_;
   view.actual = data.actual.data();
   view.first_order = data.first_order.data();

@@ -14,23 +14,6 @@ inline constexpr int kMaxFlatAxes = 16;
 /// Doubles per row of coefficients: six components and two zeros, one cache line.
 inline constexpr std::size_t kRow = 8;
 
-/// A step of the walk from the tool to the workpiece (see abbe::Op), with constants at hand.
-struct FlatOp {
-  /// As in abbe::Op, and constant twists: displacement u, rotation a[0..2], signs included.
-  enum class Kind : std::uint8_t { tip, slide, turn, affine, shift, rigid, linear, twist, fixed_twist };
-  enum class About : std::uint8_t { x, y, z, other };  ///< a turn's axis, up to its sign
-  Kind kind = Kind::tip;
-  About about = About::other;
-  bool inverse = false;
-  bool moves_on = false;  ///< t is not zero
-  std::uint8_t part = 0;  ///< 0 all, 1 along, 2 across
-  std::int8_t axis = -1;
-  std::int16_t group = -1;
-  double u[3] = {0, 0, 1};
-  double t[3] = {0, 0, 0};
-  double a[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< affine: rows
-};
-
 /// abbe::AxisTable with its numbers at hand.
 struct FlatTable {
   const double* knots = nullptr;  ///< `segments` origins
@@ -52,6 +35,24 @@ struct FlatGroup {
   bool has_lever = false, is_rotary = false, rotates = false;
   const FlatTable* tables = nullptr;
   std::uint32_t table_count = 0;
+};
+
+/// A step of the walk from the tool to the workpiece (see abbe::Op), with constants at hand.
+struct FlatOp {
+  /// As in abbe::Op, and constant twists: displacement u, rotation a[0..2], signs included.
+  enum class Kind : std::uint8_t { tip, slide, turn, affine, shift, rigid, linear, twist, fixed_twist };
+  enum class About : std::uint8_t { x, y, z, other };  ///< a turn's axis, up to its sign
+  Kind kind = Kind::tip;
+  About about = About::other;
+  bool inverse = false;
+  bool moves_on = false;  ///< t is not zero
+  std::uint8_t part = 0;  ///< 0 all, 1 along, 2 across
+  std::int8_t axis = -1;
+  std::int16_t group = -1;
+  const FlatTable* table = nullptr;  ///< the factor is this table and nothing else: no lever, no part
+  double u[3] = {0, 0, 1};
+  double t[3] = {0, 0, 0};
+  double a[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1};  ///< affine: rows
 };
 
 /// A compiled machine as pointers: what abbe::Plan holds, laid out for kernels. Owned by FlatPlan.

@@ -150,8 +150,14 @@ template <class V>
 /// Displacement d and rotation e of an error factor.
 template <class V>
 [[gnu::always_inline]] inline void evaluate(const FlatView& plan, const FlatOp& op, State<V>& state, Triple<V>& d, Triple<V>& e) {
-  const FlatGroup& group = plan.groups[op.group];
   V six[kComponents];
+  if (op.table != nullptr) {
+    read_table<V>(*op.table, state, six);
+    d = {six[0], six[1], six[2]};
+    e = {six[3], six[4], six[5]};
+    return;
+  }
+  const FlatGroup& group = plan.groups[op.group];
   if (group.table_count == 0) {
     for (int k = 0; k < kComponents; ++k) six[k] = all<V>(group.constant[k]);
   } else {

@@ -205,12 +205,36 @@ void refuse_letter(ProgramFindings& findings, std::uint64_t line, const Block& b
 
 }  // namespace
 
+namespace {
+
+/// Most blocks: a line or rapid in force, its axes, perhaps a feed. False: `out` is as it was.
+bool is_plain_line(const Block& block, const ModalState& state, Instruction& out) {
+  if ((state.motion != 0 && state.motion != 10) || block.count == 0) return false;
+  std::uint32_t present = 0;
+  for (int i = 0; i < block.count; ++i) {
+    const std::uint32_t word = bit(block.words[static_cast<std::size_t>(i)].letter);
+    if ((word & (kAxisBits | bit('F'))) == 0 || (word & present) != 0) return false;
+    present |= word;
+  }
+  if ((present & kAxisBits) == 0) return false;
+  for (int i = 0; i < block.count; ++i) {
+    const Word& word = block.words[static_cast<std::size_t>(i)];
+    out.word[static_cast<std::size_t>(word.letter - 'A')] = static_cast<std::int8_t>(i);
+  }
+  out.moves_axes = true;
+  out.motion = state.motion;
+  return true;
+}
+
+}  // namespace
+
 bool stops_after_motion(int m_code) { return m_code <= 2 || m_code == 30 || m_code == 60; }
 
 bool read_instruction(const Block& block, const ModalState& state, std::uint64_t line, ProgramFindings& findings,
                       Instruction& out) {
   out = Instruction{};
   out.word.fill(-1);
+  if (is_plain_line(block, state, out)) return true;
   std::array<bool, kGroups> seen{};
   bool good = true;
   std::uint32_t present = 0;
