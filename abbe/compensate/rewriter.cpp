@@ -139,11 +139,11 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
 void Rewriter::execute(std::string& out) {
   apply_modal(block_, instruction_, modal_);
   edit_.reset(block_);
-  move_text_ = "no motion: copied";
+  if (number_ == job_.trace_line) move_text_ = "no motion: copied";
   const Vec3 start = in_.m;
   const std::size_t out_begin = out.size();
   bool done = false;
-  if (settings() && zero_group(out, done) && !done) {
+  if (instruction_.plain || (settings() && zero_group(out, done) && !done)) {
     if (!is_cycle(modal_.motion)) cycle_.code = -1;
     const bool moves = instruction_.motion >= 0 && instruction_.motion != 800 &&
                        (instruction_.moves_axes || is_arc(instruction_.motion) || (is_cycle(instruction_.motion)));

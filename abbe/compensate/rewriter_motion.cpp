@@ -101,7 +101,7 @@ void Rewriter::motion(std::string& out) {
 void Rewriter::uncorrected(const Move& move, std::string& out) {
   if (instruction_.motion != 0) {
     refuse_block("E-POS", "a feed move while the position of an axis is not known", "the correction depends on all three axes",
-                 "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z..");
+                 "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z.. (after M6: --tool-change keeps, if it does not move)");
   }
   // The words stand as they are; only they say where the output goes.
   Vec3 p = out_.p();
@@ -120,7 +120,7 @@ void Rewriter::uncorrected(const Move& move, std::string& out) {
 bool Rewriter::feed_allowed(const Move& move) {
   if (move.known0 != 7) {
     refuse_block("E-POS", "a feed move from a position that is not known", "the path, and so its correction, cannot be followed",
-                 "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z..");
+                 "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z.. (after M6: --tool-change keeps, if it does not move)");
     return false;
   }
   if (modal_.feed_mode == 930 && !instruction_.find(block_, 'F')) {

@@ -53,6 +53,33 @@ inline constexpr std::array<double, kExactPowers + 1> kPower10 = {
 
 }  // namespace number_detail
 
+/// The usual number of a program: [-]digits[.digits], 1 to 15 digits in all. Returns its end, or null if it is
+/// anything else: then ask read_decimal, which reads the same value where both read one.
+[[nodiscard]] inline const char* read_plain_decimal(const char* p, const char* end, double& value,
+                                                    int& decimals) {
+  const auto digit_of = [](char c) { return static_cast<unsigned char>(c) - static_cast<unsigned>('0'); };
+  const bool negative = p != end && *p == '-';
+  p += negative ? 1 : 0;
+  const char* const first = p;
+  std::uint64_t mantissa = 0;
+  unsigned digit = 0;
+  for (; p != end && (digit = digit_of(*p)) < 10; ++p) mantissa = mantissa * 10 + digit;
+  std::ptrdiff_t digits = p - first, behind = 0;
+  if (p != end && *p == '.') {
+    const char* const after_point = ++p;
+    for (; p != end && (digit = digit_of(*p)) < 10; ++p) mantissa = mantissa * 10 + digit;
+    behind = p - after_point;
+    digits += behind;
+  }
+  if (static_cast<std::size_t>(digits - 1) >= 15) return nullptr;
+  // Both are exact: below 10^15 < 2^53, and a power of ten up to 10^15.
+  const double magnitude =
+      static_cast<double>(static_cast<std::int64_t>(mantissa)) / number_detail::kPower10[static_cast<std::size_t>(behind)];
+  value = negative ? -magnitude : magnitude;
+  decimals = static_cast<int>(behind);
+  return p;
+}
+
 // Numbers of programs have few digits: the plain loop, inlined, is then the fastest.
 inline Decimal read_decimal(std::string_view text) {
   using namespace number_detail;

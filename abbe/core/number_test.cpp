@@ -84,6 +84,29 @@ TEST(ReadDecimal, IsBitEqualToFromChars) {
   }
 }
 
+TEST(ReadDecimal, PlainNumbersReadTheSame) {
+  std::mt19937_64 rng{3};
+  int plain = 0;
+  for (int k = 0; k < kDraws; ++k) {
+    const std::string text = (k % 3 == 0 ? draw_decimal(rng, 12, 12) : draw_decimal(rng, 5, 5)) + "Z1";
+    double value = 0;
+    int decimals = 0;
+    const char* const end = read_plain_decimal(text.data(), text.data() + text.size(), value, decimals);
+    if (end == nullptr) continue;
+    ++plain;
+    const Decimal read = read_decimal(text);
+    ASSERT_TRUE(same_bits(read.value, value)) << text;
+    ASSERT_EQ(read.decimals, decimals) << text;
+    ASSERT_EQ(read.length, static_cast<std::size_t>(end - text.data())) << text;
+  }
+  EXPECT_GT(plain, kDraws / 4);
+  for (const std::string text : {"", "-", ".", "-.", "+1", "X1", "1234567890123456", "--1"}) {
+    double value = 7;
+    int decimals = 0;
+    EXPECT_EQ(read_plain_decimal(text.data(), text.data() + text.size(), value, decimals), nullptr) << text;
+  }
+}
+
 TEST(ReadDecimal, ReadsEveryLengthExactly) {
   for (int whole = 0; whole <= 40; ++whole) {
     for (int decimals = 0; decimals <= 40; ++decimals) {

@@ -5,9 +5,20 @@
 namespace abbe::kernel {
 namespace {
 
+void one_tip(const FlatView& plan, const double* tool_tip, const signed char* approach, const double* q,
+             double* tip, unsigned char* lane) {
+  State<double> state;
+  state.tip = tool_tip;
+  state.approach = approach;
+  for (int i = 0; i < plan.axis_count; ++i) state.q[i] = q[i];
+  Triple<double> p, a;
+  walk_actual<double, false>(plan, state, p, a);
+  tip[0] = p.x, tip[1] = p.y, tip[2] = p.z;
+  if (state.outside != 0) *lane |= Lane::outside;
+}
+
 void tips(const FlatView& plan, const double* tool_tip, const signed char* approach, const double* const* q,
           std::size_t count, double* const* tip, unsigned char* lanes) {
-  if (count == 1) return tips_of<double>(plan, tool_tip, approach, {q, 0, 1}, tip, lanes);
   if (count == 2) return tips_of<Pair>(plan, tool_tip, approach, {q, 0, 2}, tip, lanes);
   for (std::size_t i = 0; i < count; i += lanes_of<Packet>)
     tips_of<Packet>(plan, tool_tip, approach, {q, i, count}, tip, lanes);
@@ -24,7 +35,7 @@ void correct_poses(const FlatView& plan, const Setting& setting, const double* c
 }  // namespace
 
 const Kernel& ABBE_KERNEL_FUNCTION() {
-  static constexpr Kernel kernel = {ABBE_KERNEL_NAME, lanes_of<Packet>, tips, correct_poses};
+  static constexpr Kernel kernel = {ABBE_KERNEL_NAME, lanes_of<Packet>, tips, one_tip, correct_poses};
   return kernel;
 }
 

@@ -101,6 +101,12 @@ TEST(Kernels, TipsOfAllKernelsAreTheGeneralTips) {
             const Vec3 expected = actual_tip(plan, queries[i], &outside);
             const Vec3 found(tip[0][i], tip[1][i], tip[2][i]);
             ASSERT_LE((found - expected).norm(), kSameTip) << kernel->name << " round " << round;
+            Vec3 one;
+            unsigned char lane = Lane::ordinary;
+            kernel->one_tip(flat->view(), first.tool.tip.data(), first.approach.data(), queries[i].q.data(), one.data(),
+                            &lane);
+            ASSERT_LE((one - expected).norm(), kSameTip) << kernel->name << " round " << round;
+            ASSERT_EQ(lane, lanes[i]);
             ASSERT_EQ(lanes[i] == Lane::outside, outside) << kernel->name;
             ++compared;
             beyond += outside ? 1 : 0;

@@ -12,13 +12,9 @@ namespace {
 
 Vec3 TipFunction::operator()(const Query& query, bool* outside) const {
   if (flat_ == nullptr) return actual_tip(plan_, query, outside);
-  const FlatView& view = flat_->view();
-  std::array<const double*, kMaxFlatAxes> q;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(view.axis_count); ++i) q[i] = &query.q[i];
   Vec3 tip;
-  const std::array<double*, 3> to = {&tip[0], &tip[1], &tip[2]};
   unsigned char lane = Lane::ordinary;
-  kernel_->tips(view, query.tool.tip.data(), query.approach.data(), q.data(), 1, to.data(), &lane);
+  kernel_->one_tip(flat_->view(), query.tool.tip.data(), query.approach.data(), query.q.data(), tip.data(), &lane);
   if (lane != Lane::ordinary && outside != nullptr) *outside = true;
   return finite_or_zero(tip);
 }

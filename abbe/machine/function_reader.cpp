@@ -407,7 +407,7 @@ void FunctionReader::widen_extent(int variable, double lo, double hi) {
 FunctionReader::Function FunctionReader::accepted(Function function, Mark mark) {
   if (!function) {
     findings_.error("E-FUNCTION", mark, fmt::format("the numbers of {} give no usable function", name_),
-                    "some are too large, or too close together, to calculate with",
+                    "some are too large or too close together to calculate with, or the domain holds no part of a table",
                     "check the numbers and [units]");
   }
   return function;

@@ -284,7 +284,13 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   std::vector<Extra> extras;
   finish_reports(run, report, extras);
   if (job.header == HeaderForm::sidecar && !job.output.empty()) extras.push_back({job.output + ".abbe.json", outcome.json});
-  if (publish(run, job.output.empty() ? nullptr : &spool, extras)) outcome.end = ProgramEnd::done;
+  if (publish(run, job.output.empty() ? nullptr : &spool, extras)) {
+    outcome.end = ProgramEnd::done;
+  } else {
+    // Nothing says "verified" about a program that did not appear.
+    outcome.text.clear();
+    outcome.json.clear();
+  }
   return std::move(run.outcome);
 }
 

@@ -68,18 +68,21 @@ bool read_spaced_number(std::string_view text, std::size_t at, Word& word, std::
 /// The usual word: a letter, at once its number, then the end or a blank and a letter. False: nothing was read.
 bool read_plain_word(std::string_view text, std::size_t& at, Block& block) {
   if (block.count == Block::kMaxWords) return false;
-  const Decimal decimal = read_decimal(text.substr(at + 1));
-  const std::size_t end = at + 1 + decimal.length;
+  double value = 0;
+  int decimals = 0;
+  const char* const behind = read_plain_decimal(text.data() + at + 1, text.data() + text.size(), value, decimals);
+  if (behind == nullptr) return false;
+  const auto end = static_cast<std::size_t>(behind - text.data());
   const std::size_t next = end + (end < text.size() && text[end] == ' ' ? 1 : 0);
-  if (decimal.length == 0 || (next < text.size() && (text[next] < 'A' || text[next] > 'Z'))) return false;
+  if (next < text.size() && (text[next] < 'A' || text[next] > 'Z')) return false;
   Word& word = block.words[static_cast<std::size_t>(block.count++)];
   word.letter = text[at];
   word.tidy = true;
   word.begin = static_cast<std::uint16_t>(at);
   word.number = static_cast<std::uint16_t>(at + 1);
   word.end = block.words_end = static_cast<std::uint16_t>(end);
-  word.decimals = static_cast<std::uint16_t>(decimal.decimals);
-  word.value = decimal.value;
+  word.decimals = static_cast<std::uint16_t>(decimals);
+  word.value = value;
   at = next;
   return true;
 }

@@ -221,7 +221,7 @@ bool is_plain_line(const Block& block, const ModalState& state, Instruction& out
     const Word& word = block.words[static_cast<std::size_t>(i)];
     out.word[static_cast<std::size_t>(word.letter - 'A')] = static_cast<std::int8_t>(i);
   }
-  out.moves_axes = true;
+  out.moves_axes = out.plain = true;
   out.motion = state.motion;
   return true;
 }
@@ -296,6 +296,13 @@ bool read_instruction(const Block& block, const ModalState& state, std::uint64_t
 }
 
 void apply_modal(const Block& block, const Instruction& in, ModalState& state) {
+  if (in.plain) {
+    if (const Word* f = in.find(block, 'F')) {
+      state.feed = f->value;
+      state.has_feed = true;
+    }
+    return;
+  }
   if (in.feed_mode >= 0) {
     if (in.feed_mode != state.feed_mode) state.has_feed = false;
     state.feed_mode = in.feed_mode;

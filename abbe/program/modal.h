@@ -43,6 +43,7 @@ struct Instruction {
   GCode zero = -1;             ///< group 0: G4 G10 G28 G30 G52 G53 G92 ..
   std::array<std::int8_t, 26> word{};  ///< index of each value word by letter, -1 = absent
   bool moves_axes = false;     ///< X, Y or Z is written
+  bool plain = false;          ///< X Y Z and F only: a line or rapid that was in force
   GCode wcs = -1, tool_length = -1, plane = -1, units = -1, distance = -1, arc_distance = -1, feed_mode = -1, retract = -1;
   bool tool_change = false;    ///< M6
   bool set_tool = false;       ///< M61 Q

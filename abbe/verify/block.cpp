@@ -248,13 +248,15 @@ class Scanner {
     while (p != end) {
       const auto letter = static_cast<unsigned>(*p) - 'A';
       if (letter >= 26 || (kPlainLetters & ~words & (Letters{1} << letter)) == 0) break;
-      const Decimal number = read_decimal({p + 1, static_cast<std::size_t>(end - p - 1)});
-      const char* next = p + 1 + number.length;
+      double number = 0;
+      int decimals = 0;
+      const char* next = read_plain_decimal(p + 1, end, number, decimals);
+      if (next == nullptr) break;
       if (next != end && *next == ' ') ++next;
       const bool ends = next == end || static_cast<unsigned>(*next) - 'A' < 26;
-      if (number.length == 0 || !ends || !(std::abs(number.value) <= kMaxNumber)) break;
+      if (!ends || !(std::abs(number) <= kMaxNumber)) break;
       words |= Letters{1} << letter;
-      block_.value[letter] = number.value;
+      block_.value[letter] = number;
       block_.column[letter] = static_cast<std::uint8_t>(p - begin + 1);
       p = next;
     }
