@@ -4,6 +4,13 @@
 #include <cstring>
 
 namespace abbe {
+namespace {
+
+/// Bytes behind data() of a std::string that may be read whatever its size is.
+constexpr std::size_t kOwnBytes = 16;
+static_assert(sizeof(std::string) == 2 * kOwnBytes, "a library whose strings have no 16 bytes of their own");
+
+}  // namespace
 
 void LineEdit::reset(const Block& block) {
   block_ = &block;
@@ -42,15 +49,25 @@ void LineEdit::append_to(std::string& out) const {
     return;
   }
   // Room for all there is, then what was written: one growth of the string instead of one per word.
-  std::size_t room = text.size() + added_.size();
+  std::size_t room = text.size() + added_.size() + kOwnBytes;
   for (std::uint64_t left = replaced_; left != 0; left &= left - 1)
     room += numbers_[static_cast<std::size_t>(std::countr_zero(left))].size();
   const std::size_t begin = out.size();
   out.resize(begin + room);
   char* to = out.data() + begin;
+  // Most pieces are a blank and a letter, most numbers fit a string's own 16 bytes: no calls for them.
   const auto write = [&to](std::string_view bytes) {
-    std::memcpy(to, bytes.data(), bytes.size());
+    if (bytes.size() > 3) {
+      std::memcpy(to, bytes.data(), bytes.size());
+    } else {
+      for (std::size_t i = 0; i < bytes.size(); ++i) to[i] = bytes[i];
+    }
     to += bytes.size();
+  };
+  const auto write_number = [&](const std::string& number) {
+    if (number.size() > kOwnBytes - 1) return write(number);
+    std::memcpy(to, number.data(), kOwnBytes);
+    to += number.size();
   };
   std::size_t at = 0;
   for (std::uint64_t left = replaced_ | removed_; left != 0; left &= left - 1) {
@@ -62,7 +79,7 @@ void LineEdit::append_to(std::string& out) const {
       write(text.substr(at, end - at));
     } else {
       write(text.substr(at, word.number - at));
-      write(numbers_[i]);
+      write_number(numbers_[i]);
     }
     at = word.end;
   }

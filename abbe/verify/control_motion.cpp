@@ -46,13 +46,12 @@ double angle_between(double a, double b, bool clockwise) {
 
 }  // namespace
 
-/// Where the axis words of the block lead: u = word + g92, or u + word in G91.
+/// Where the axis words of the block (in motion_) lead: u = word + g92, or u + word in G91.
 Position Control::target() const {
   Position u = u_;
-  const Axes named = named_axes();
   for (int i = 0; i < 3; ++i) {
-    if ((named >> i & 1) == 0) continue;
-    const double word = length_word(axis_letter(i));
+    if ((motion_.named >> i & 1) == 0) continue;
+    const double word = motion_.words[i];
     if (incremental_) {
       if ((u.known >> i & 1) != 0) u.at[i] += word;
     } else {

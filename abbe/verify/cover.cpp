@@ -87,7 +87,7 @@ void Comparison::cover(const Motion& original) {
   if (original.kind == MotionKind::arc)
     cover.by_parameter =
         std::min(original.arc.start_radius, original.arc.end_radius) < kSmallArc * cover.allowed;
-  for (int i = 0; i < 3; ++i) {
+  for (int i = 0; job_.reversal && i < 3; ++i) {
     const Arc& arc = original.arc;
     const bool moves = original.kind == MotionKind::arc
                            ? std::abs(arc.first[i]) + std::abs(arc.second[i]) > kNoMotion ||
