@@ -41,6 +41,7 @@ struct CarriedTwist : Carried<T, N> {
 
 /// The segment of a table that holds x. No number: some segment.
 [[nodiscard]] inline std::uint32_t segment_of(const Plan::Impl& plan, const AxisTable& table, double x) {
+  if (table.segments == 1) return 0;
   const double place = (x - table.bucket_lo) * table.buckets_per_unit;
   const std::uint32_t most = table.bucket_count - 1;
   const std::uint32_t bucket = place > 0 ? (place < most ? static_cast<std::uint32_t>(place) : most) : 0;
@@ -98,7 +99,7 @@ template <>
 
 /// The tabulated functions of one axis position.
 template <class T>
-[[nodiscard]] inline Six<T> evaluate(const Plan::Impl& plan, const AxisTable& table, const Inputs<T>& in,
+[[nodiscard, gnu::always_inline]] inline Six<T> evaluate(const Plan::Impl& plan, const AxisTable& table, const Inputs<T>& in,
                                      bool* outside) {
   const T q = in.q[table.axis];
   T x = q;
