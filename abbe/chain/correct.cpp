@@ -416,6 +416,18 @@ class Corrector {
       result_.status = Status::partial;
     else
       fail();
+    if (result_.status == Status::degraded && is_worse_than_nothing()) fail();
+  }
+
+  /// A correction that stopped at a limit may have carried the tip farther away than it was.
+  [[nodiscard]] bool is_worse_than_nothing() {
+    const Commands corrected = q_;
+    const Correction result = result_;
+    q_ = command();
+    const Residual before = residual_of(actual());
+    q_ = corrected;
+    result_ = result;
+    return result_.residual_position > before.position.norm() + kOkPosition;
   }
 
   /// The command goes back untouched, with what it leaves on this machine.

@@ -441,5 +441,37 @@ EYX = { poly = [0, 1], domain = [0, 100] }
   EXPECT_TRUE(outside);
 }
 
+/// A quill that tilts: at 90 deg Y and Z move the tip along one line, and X is far from the third direction.
+TEST(Correct, NearlyDependentLinearAxesAreNotSentFar) {
+  const Parsed<Machine> quill = read_machine(
+      {"quill.toml",
+       "format = 1\n[machine]\nname = \"quill\"\nchain = \"w X Y b A Z t\"\n[axis.X]\nrange = [-300, 300]\n"
+       "errors_seen = \"tool\"\n[axis.Y]\nrange = [-300, 300]\nerrors_seen = \"tool\"\n[axis.Z]\nrange = [-200, "
+       "200]\n[tool]\nlength = 100\n[errors]\nEYY = 5\nEZX = 12\nEAA = 10\n"},
+      std::nullopt, [](const std::string&) { return std::optional<std::string>(); });
+  ASSERT_TRUE(quill.value.has_value());
+  const Plan plan = std::get<Plan>(make_plan(*quill.value, {}));
+  const auto axis = [&](const char* name) { return static_cast<std::size_t>(quill.value->find_axis(name)); };
+  const AxisSet free = free_axes(*quill.value, 0).value();
+  for (const Method method : {Method::newton, Method::closed_form, Method::one_step}) {
+    for (const double angle : {60.0, 89.0, 89.5, 89.9, 89.99, 89.999, 90.0, 90.001, 91.0}) {
+      Query query;
+      query.tool = tool_of(*quill.value);
+      query.q[axis("X")] = 50;
+      query.q[axis("Y")] = 20;
+      query.q[axis("Z")] = 10;
+      query.q[axis("A")] = angle * deg;
+      CorrectOptions options;
+      options.method = method;
+      const Correction c = correct(plan, query, free, options);
+      EXPECT_NE(c.status, Status::failed) << angle;
+      EXPECT_EQ(c.status == Status::ok, std::abs(angle - 90) > 0.6) << angle;
+      EXPECT_LE(c.residual_position, 0.014) << angle;
+      for (const char* name : {"X", "Y", "Z"})
+        EXPECT_LE(std::abs(c.corrected[axis(name)] - query.q[axis(name)]), 1.5) << name << " at " << angle;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace abbe

@@ -7,7 +7,6 @@ namespace {
 
 constexpr double kParallel = 1e-12;     // |sin| between direction columns below which they are one
 constexpr double kNoEffect = 1e-8;      // rad per rad: the axis turns the tool about itself
-constexpr double kDependent = 1e-9;     // volume of three unit directions below which they are dependent
 constexpr double kJointLength = 300.0;  // mm: weighs direction against position where both cannot be had
 
 [[nodiscard]] double weight_of(const std::array<double, kMaxAxes>& weights, int axis) {
@@ -17,14 +16,15 @@ constexpr double kJointLength = 300.0;  // mm: weighs direction against position
 
 /// W^-1 (J W^-1)^+ for a J whose columns belong to `axes`: minimises sum (w_i dq_i)^2.
 [[nodiscard]] SmallMatrix weighted_inverse(SmallMatrix j, const std::array<int, kMaxAxes>& axes,
-                                           const std::array<double, kMaxAxes>& weights, int& rank) {
+                                           const std::array<double, kMaxAxes>& weights, int& rank,
+                                           double least = 1e-7) {
   const auto scale = [&](SmallMatrix& m) {
     for (std::size_t i = 0; i < static_cast<std::size_t>(m.count); ++i) {
       for (double& x : m.columns[i]) x /= weight_of(weights, axes[i]);
     }
   };
   scale(j);
-  SmallMatrix inverse = pseudo_inverse(j, rank);
+  SmallMatrix inverse = pseudo_inverse(j, rank, least);
   scale(inverse);
   return inverse;
 }
@@ -106,7 +106,7 @@ void CorrectionStep::prepare_linear(const std::array<double, kMaxAxes>& weights)
     // Inverse by cross products: rows b x c, c x a, a x b over the volume.
     const Vec3 bc = b.cross(c);
     const double volume = a.dot(bc);
-    if (std::abs(volume) > kDependent) {
+    if (std::abs(volume) > kDependentAxes) {
       const double inverse = 1.0 / volume;
       linear_rows_ = {Vec3(bc * inverse), Vec3(c.cross(a) * inverse), Vec3(a.cross(b) * inverse)};
       square_ = true;
@@ -122,7 +122,7 @@ void CorrectionStep::prepare_linear(const std::array<double, kMaxAxes>& weights)
     const Vec3& a = position_[static_cast<std::size_t>(linear_[i])];
     j.columns[i] = {a.x(), a.y(), a.z()};
   }
-  linear_inverse_ = weighted_inverse(j, linear_, weights, position_rank_);
+  linear_inverse_ = weighted_inverse(j, linear_, weights, position_rank_, linear_count_ == 3 ? kDependentAxes : 1e-7);
 }
 
 /// All axes together: dq = W^-1 (J W^-1)^+ r, rows of J three positions and two directions.

@@ -12,7 +12,6 @@ namespace {
 
 constexpr double kNothing = 1e-12;   // sine below which a direction lies on the axis that should turn it
 constexpr double kRounding = 1e-12;  // |N| may exceed rho by this part: rounding, not a direction too far
-constexpr double kDependent = 1e-9;  // volume of three unit directions below which they are dependent
 constexpr double kRestored = 1e-15;  // a direction this near needs no turn: zero errors change nothing
 
 /// x without its share along the unit vector u.
@@ -155,7 +154,7 @@ int FrozenChain::reach(Commands& q, const Vec3& target) const {
     // [a b c] dq = missing by cross products
     const Vec3 bc = a.column[1].cross(a.column[2]);
     const double volume = a.column[0].dot(bc);
-    if (std::abs(volume) > kDependent) {
+    if (std::abs(volume) > kDependentAxes) {
       move(0, bc.dot(missing) / volume);
       move(1, a.column[2].cross(a.column[0]).dot(missing) / volume);
       move(2, a.column[0].cross(a.column[1]).dot(missing) / volume);
@@ -168,7 +167,7 @@ int FrozenChain::reach(Commands& q, const Vec3& target) const {
   for (std::size_t k = 0; k < a.count; ++k)
     j.columns[k] = {a.column[k].x(), a.column[k].y(), a.column[k].z()};
   int rank = 0;
-  const SmallMatrix inverse = pseudo_inverse(j, rank);
+  const SmallMatrix inverse = pseudo_inverse(j, rank, a.count == 3 ? kDependentAxes : 1e-7);
   for (std::size_t k = 0; k < a.count; ++k) {
     const SmallMatrix::Column& row = inverse.columns[k];
     move(k, row[0] * missing.x() + row[1] * missing.y() + row[2] * missing.z());

@@ -50,7 +50,7 @@ void diagonalise(Square& m, Square& v, int n) {
 
 }  // namespace
 
-SmallMatrix pseudo_inverse(const SmallMatrix& a, int& rank) {
+SmallMatrix pseudo_inverse(const SmallMatrix& a, int& rank, double least) {
   const auto rows = static_cast<std::size_t>(a.rows), count = static_cast<std::size_t>(a.count);
   // a^+ = a^T (a a^T)^+ ; a a^T is small and symmetric
   Square gram{}, vectors{};
@@ -69,7 +69,7 @@ SmallMatrix pseudo_inverse(const SmallMatrix& a, int& rank) {
   for (std::size_t k = 0; k < count; ++k) inverse.columns[k] = {};
   rank = 0;
   for (std::size_t e = 0; e < rows; ++e) {
-    if (!(gram[e][e] > 1e-14 * largest)) continue;
+    if (!(gram[e][e] > least * least * largest)) continue;  // eigenvalues are squares of singular values
     ++rank;
     for (std::size_t k = 0; k < count; ++k) {
       double dot = 0;

@@ -55,7 +55,16 @@ inline std::uint32_t segment_of(const FlatTable& table, double x) {
   // No number is below the first bucket.
   const double bucket = place > 0 ? (place < table.most_bucket ? place : table.most_bucket) : 0.0;
   std::uint32_t i = table.buckets[static_cast<std::int64_t>(bucket)];
-  while (i + 1 < table.segments && table.knots[i + 1] <= x) ++i;
+  // Mostly here or next door; where knots crowd in one bucket, by bisection: the work stays bounded.
+  for (int steps = 0; steps < 3; ++steps) {
+    if (i + 1 >= table.segments || !(table.knots[i + 1] <= x)) return i;
+    ++i;
+  }
+  for (std::uint32_t left = table.segments - i; left > 1;) {
+    const std::uint32_t half = left / 2;
+    i = table.knots[i + half] <= x ? i + half : i;
+    left -= half;
+  }
   return i;
 }
 

@@ -9,7 +9,7 @@ namespace {
 
 /// |det| of the two direction columns below which the rotary axes turn the tool about one line, and of the
 /// three linear directions below which they do not span space.
-constexpr double kLeastTurn = 1e-6, kLeastVolume = 1e-3;
+constexpr double kLeastTurn = 1e-6, kLeastVolume = 1e-2, kNoEffect = 1e-8;
 /// What a radian of a rotary step counts in Kernel::correct_poses' `last`, mm.
 constexpr double kRadianLength = 300;
 constexpr double kNowhere[3] = {0, 0, 0};
@@ -127,8 +127,11 @@ struct Solver {
       turn_rows[1] = cross(f.a, c0) * inverse;
     } else if (axes.rotary_count == 1) {
       const Triple<V>& c = f.direction[axes.rotary[0]];
-      const V square = dot(c, c);
-      unusual |= lanes_within(square, kLeastTurn * kLeastTurn);
+      // An axis parallel to the tool turns it about itself: it rests.
+      V square = dot(c, c);
+      const unsigned idle = lanes_within(square, kNoEffect * kNoEffect);
+      for (int i = 0; idle != 0 && i < lanes_of<V>; ++i)
+        if ((idle >> i & 1) != 0) set_lane(square, i, __builtin_inf());
       turn_rows[0] = c * (1.0 / square);
     }
     const Triple<V>&a = f.position[axes.linear[0]], &b = f.position[axes.linear[1]],

@@ -25,6 +25,7 @@ struct abbe_rt_model {
   abbe::Vec3 tool_origin = abbe::Vec3::Zero(), tool_axis = abbe::Vec3::UnitZ();
   abbe::AxisSet free = 0;
   std::array<double, abbe::kMaxAxes> lo{}, hi{};
+  double max_correction = 0;  ///< mm
 };
 
 namespace {
@@ -56,7 +57,13 @@ std::optional<Environment> environment_of(std::string_view text, std::string& ba
 }
 
 /// The model, or why there is none.
-std::unique_ptr<abbe_rt_model> load(const char* machine_file, const char* sensors, std::string& why) {
+std::unique_ptr<abbe_rt_model> load(const char* machine_file, const char* sensors, double max_correction,
+                                    std::string& why) {
+  constexpr double kUsualLimit = 0.5;  // mm, as for programs
+  if (!(max_correction >= 0 && max_correction - max_correction == 0)) {
+    why = "the largest correction is not a length";
+    return nullptr;
+  }
   if (machine_file == nullptr) {
     why = "no machine file is named";
     return nullptr;
@@ -92,6 +99,7 @@ std::unique_ptr<abbe_rt_model> load(const char* machine_file, const char* sensor
     why = "the machine needs three linear and at most two rotary axes that may be corrected";
     return nullptr;
   }
+  model->max_correction = max_correction > 0 ? max_correction : kUsualLimit;
   model->tool_origin = model->machine.tool.origin;
   model->tool_axis = model->machine.tool.axis;
   model->lo = impl.lo;
@@ -107,11 +115,12 @@ extern "C" {
 
 int abbe_rt_version(void) { return ABBE_RT_VERSION; }
 
-abbe_rt_model* abbe_rt_load(const char* machine_file, const char* sensors, char* message, std::size_t size) {
+abbe_rt_model* abbe_rt_load(const char* machine_file, const char* sensors, double max_correction, char* message,
+                            std::size_t size) {
   tell(message, size, "");
   try {
     std::string why;
-    auto model = load(machine_file, sensors, why);
+    auto model = load(machine_file, sensors, max_correction, why);
     if (model == nullptr) tell(message, size, why);
     return model.release();
   } catch (const std::exception& e) {  // out of memory
@@ -150,20 +159,23 @@ abbe_rt_status abbe_rt_correct(const abbe_rt_model* model, const double* command
   std::array<double, abbe::kMaxAxes> from{}, to{};
   std::array<const double*, abbe::kMaxAxes> in{};
   std::array<double*, abbe::kMaxAxes> out{};
-  bool usual = true;
+  bool numbers = is_number(gauge_length);
   for (std::size_t i = 0; i < axes; ++i) {
     from[i] = commanded[i];
-    usual = usual && is_number(from[i]);
+    numbers = numbers && is_number(from[i]);
     in[i] = &from[i];
     out[i] = &to[i];
   }
   double last = 0;
   unsigned char lane = abbe::kernel::Lane::ordinary;
-  if (usual) model->kernel->correct_poses(view, setting, in.data(), 1, out.data(), &last, &lane);
-  usual = usual && (lane & abbe::kernel::Lane::unusual) == 0 && is_number(last);
+  if (!numbers) return ABBE_RT_INVALID;
+  model->kernel->correct_poses(view, setting, in.data(), 1, out.data(), &last, &lane);
+  bool usual = (lane & abbe::kernel::Lane::unusual) == 0 && is_number(last);
   // A command outside the travels may stay there, not go farther.
   for (std::size_t i = 0; usual && i < axes; ++i) {
-    usual = to[i] >= std::min(model->lo[i], from[i]) && to[i] <= std::max(model->hi[i], from[i]);
+    const bool rotary = (view.rotary >> i & 1) != 0;
+    usual = to[i] >= std::min(model->lo[i], from[i]) && to[i] <= std::max(model->hi[i], from[i]) &&
+            (rotary || std::abs(to[i] - from[i]) <= model->max_correction);
   }
   for (std::size_t i = 0; i < axes; ++i) corrected[i] = usual ? to[i] : from[i];
   if (last_step != nullptr) *last_step = usual ? last : 0;

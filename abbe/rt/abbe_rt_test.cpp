@@ -88,9 +88,9 @@ struct File {
 };
 
 struct Model {
-  explicit Model(const std::string& text, const char* sensors = "T1=23.5") : file(text) {
+  explicit Model(const std::string& text, const char* sensors = "T1=23.5", double limit = 0) : file(text) {
     std::array<char, 500> message;
-    model = abbe_rt_load(file.path.c_str(), sensors, message.data(), message.size());
+    model = abbe_rt_load(file.path.c_str(), sensors, limit, message.data(), message.size());
     why = message.data();
   }
   ~Model() { abbe_rt_free(model); }
@@ -159,20 +159,21 @@ TEST(RealTime, WhatCannotBeCorrectedIsHeld) {
   const double strange[] = {std::nan(""), infinity, -infinity, 1e308};
   for (const double x : strange) {
     for (std::size_t axis = 0; axis < 5; ++axis) {
-      std::array<double, 5> q = {0.1, 0.5, 10, 20, 30}, corrected{};
+      std::array<double, 5> q = {0.1, 0.5, 10, 20, 30};
+      const std::array<double, 5> before = {1, 2, 3, 4, 5};
+      std::array<double, 5> corrected = before;
       q[axis] = x;
       const abbe_rt_status status = abbe_rt_correct(model.model, q.data(), 120, corrected.data(), nullptr);
-      if (status != ABBE_RT_HELD) continue;  // 1e308 mm: outside, but a number
-      for (std::size_t k = 0; k < 5; ++k) {
-        if (k != axis) {
-          EXPECT_EQ(corrected[k], q[k]);
-        }
+      EXPECT_EQ(status == ABBE_RT_INVALID, !std::isfinite(x));
+      if (status == ABBE_RT_INVALID) {
+        EXPECT_EQ(corrected, before);
       }
+      for (const double c : corrected) EXPECT_TRUE(std::isfinite(c));
     }
-    std::array<double, 5> q = {0.1, 0.5, 10, 20, 30}, corrected{};
+    const std::array<double, 5> q = {0.1, 0.5, 10, 20, 30};
+    std::array<double, 5> corrected{};
     if (!std::isfinite(x)) {
-      EXPECT_EQ(abbe_rt_correct(model.model, q.data(), x, corrected.data(), nullptr), ABBE_RT_HELD);
-      EXPECT_EQ(corrected, q);
+      EXPECT_EQ(abbe_rt_correct(model.model, q.data(), x, corrected.data(), nullptr), ABBE_RT_INVALID);
     }
   }
   // A = 0: C does not turn the tool's direction any more.
@@ -188,6 +189,32 @@ TEST(RealTime, WhatCannotBeCorrectedIsHeld) {
   EXPECT_NE(corrected, far);
 }
 
+TEST(RealTime, LargeCorrectionsAreHeld) {
+  // 40 mm instead of 40 um: a slip of the unit.
+  const std::string text = "format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z t\"\n[errors]\nEYY = 40000\n";
+  const Model usual(text), allowed(text, "", 100);
+  ASSERT_NE(usual.model, nullptr) << usual.why;
+  ASSERT_NE(allowed.model, nullptr) << allowed.why;
+  const std::array<double, 3> q = {10, 20, 30};
+  std::array<double, 3> corrected{};
+  EXPECT_EQ(abbe_rt_correct(usual.model, q.data(), 0, corrected.data(), nullptr), ABBE_RT_HELD);
+  EXPECT_EQ(corrected, q);
+  EXPECT_EQ(abbe_rt_correct(allowed.model, q.data(), 0, corrected.data(), nullptr), ABBE_RT_OK);
+  EXPECT_NEAR(corrected[1], -20, 1e-6);
+  EXPECT_EQ(abbe_rt_load(usual.file.path.c_str(), nullptr, -1, nullptr, 0), nullptr);
+}
+
+TEST(RealTime, ARotaryAxisParallelToTheToolRests) {
+  const Model model(
+      "format = 1\n[machine]\nname = \"m\"\nchain = \"w C b X Y Z t\"\n[axis.C]\ndirection = [0, 0, 1]\n"
+      "errors_seen = \"body\"\n[errors]\nEA0C = 30\nEXX = { poly = [0, 0.02] }\n");
+  ASSERT_NE(model.model, nullptr) << model.why;
+  const std::array<double, 4> q = {0.5, 50, 20, 10};
+  std::array<double, 4> corrected{};
+  EXPECT_EQ(abbe_rt_correct(model.model, q.data(), 0, corrected.data(), nullptr), ABBE_RT_OK);
+  EXPECT_NE(corrected[1], q[1]);
+}
+
 TEST(RealTime, InPlaceIsAllowed) {
   const Model model(kMachine);
   ASSERT_NE(model.model, nullptr) << model.why;
@@ -200,9 +227,9 @@ TEST(RealTime, InPlaceIsAllowed) {
 
 TEST(RealTime, WhyAMachineIsNotLoaded) {
   const std::string head = "format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z t\"\n[errors]\n";
-  EXPECT_EQ(abbe_rt_load(nullptr, nullptr, nullptr, 0), nullptr);
+  EXPECT_EQ(abbe_rt_load(nullptr, nullptr, 0, nullptr, 0), nullptr);
   std::array<char, 12> small;
-  EXPECT_EQ(abbe_rt_load("/nowhere/at/all.toml", nullptr, small.data(), small.size()), nullptr);
+  EXPECT_EQ(abbe_rt_load("/nowhere/at/all.toml", nullptr, 0, small.data(), small.size()), nullptr);
   EXPECT_EQ(std::string(small.data()).size(), small.size() - 1);
 
   const Model sensor(kMachine, "");

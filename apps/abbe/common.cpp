@@ -115,6 +115,15 @@ Parsed<Machine> load_machine(const CommonArguments& arguments, Session& session)
 
 }  // namespace
 
+CLI::Validator finite_number() {
+  return CLI::Validator(
+      [](std::string& text) {
+        const auto value = read_number(text);
+        return value ? std::string() : text + " is not a finite number";
+      },
+      "FINITE");
+}
+
 void add_machine_options(CLI::App& verb, CommonArguments& arguments, Session& session) {
   verb.add_option("MACHINE", arguments.machine, "machine file (TOML); - is standard input")->required();
   verb.add_option("--errors", arguments.errors, "errors file in place of the [errors] of the machine file")
@@ -137,11 +146,11 @@ void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& ses
   verb.add_option("--model", arguments.model, "how error matrices enter the chain (rigid)")
       ->check(CLI::IsMember({"rigid", "linear", "first-order"}));
   verb.add_option("--limit-um", arguments.limit_um, "accepted distance: reports pass or fail")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::NonNegativeNumber & finite_number())
       ->type_name("UM");
   verb.add_option("--limit-angle-deg", arguments.limit_angle_deg,
                   "accepted tilt of the tool axis: reports pass or fail")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::NonNegativeNumber & finite_number())
       ->type_name("DEG");
 }
 

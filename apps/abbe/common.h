@@ -26,6 +26,9 @@ struct CommonArguments {
   bool json = false;
 };
 
+/// Refuses nan and inf, which CLI11's own checks let through.
+[[nodiscard]] CLI::Validator finite_number();
+
 /// Those that name the machine, and how to answer.
 void add_machine_options(CLI::App& verb, CommonArguments& arguments, Session& session);
 void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& session);

@@ -335,7 +335,7 @@ Verb correct_verb(CLI::App& program, Session& session) {
   command
       ->add_option("--max-rotary-correction", arguments->max_rotary_correction_deg,
                    "beyond it a rotary axis is held at its command (0.5)")
-      ->check(CLI::PositiveNumber)
+      ->check(CLI::PositiveNumber & finite_number())
       ->type_name("DEG");
   return {command, [arguments, &session] { correct_points(*arguments, session); }};
 }

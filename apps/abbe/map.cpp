@@ -136,7 +136,7 @@ Verb map_verb(CLI::App& program, Session& session) {
   command->add_option("--svg", arguments->svg, "overview: slices, error budget, diagonals (SVG)")
       ->type_name("FILE");
   command->add_option("--most", arguments->most, "errors listed in the budget, 0 = all (15)")
-      ->check(CLI::NonNegativeNumber)
+      ->check(CLI::NonNegativeNumber & finite_number())
       ->type_name("N");
   return {command, [arguments, &session] { run_map(*arguments, session); }};
 }
