@@ -223,7 +223,8 @@ class Corrector {
   }
 
   [[nodiscard]] bool newton(const Commands* start) {
-    if (start != nullptr && all_finite(*start, plan_.axis_count) && !step_.redundant()) begin_at(*start);
+    if (start != nullptr && all_finite(*start, plan_.axis_count) && !step_.redundant() && !step_.dependent())
+      begin_at(*start);
     double before = 0;  // size of the step before, 0 = none since the last hold
     for (int i = 0; i < options_.max_iterations; ++i) {
       const Actual at = actual();

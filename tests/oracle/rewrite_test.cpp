@@ -134,7 +134,7 @@ TEST_P(RewrittenPrograms, FollowTheOriginal) {
   const bool cycles = listed.path.find("-g8") != std::string::npos;
   const double tolerance = cycles ? kCycleTolerance : kTolerance;
   double untouched = 0;
-  for (const std::uint64_t seed : {1, 2, 3}) {
+  for (const std::uint64_t seed : {1U, 2U, 3U}) {
     EXPECT_THAT(wrong_with(listed.file(), *original, seed, tolerance, untouched), testing::IsEmpty())
         << "machine " << seed;
   }
