@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "abbe/chain/correct.h"
-#include "abbe/chain/grinder_cases.h"
+#include "abbe/chain/test_grinder.h"
 #include "abbe/chain/method_fit.h"
 #include "abbe/chain/predict.h"
 #include "abbe/chain/test_random_machine.h"

@@ -5,7 +5,7 @@
 
 #include "abbe/chain/correct.h"
 #include "abbe/chain/method_fit.h"
-#include "abbe/chain/seven_axis_machine.h"
+#include "abbe/chain/test_seven_axis_machine.h"
 #include "abbe/machine/read_machine.h"
 
 namespace abbe {

@@ -5,7 +5,7 @@
 #include <string>
 
 #include "abbe/chain/predict.h"
-#include "abbe/chain/seven_axis_machine.h"
+#include "abbe/chain/test_seven_axis_machine.h"
 #include "abbe/machine/read_machine.h"
 
 // Numbers computed by independent programs: with 50-digit arithmetic from the equations of seeds 000 to

@@ -5,7 +5,7 @@
 #include <Eigen/Geometry>
 
 #include "abbe/chain/correct.h"
-#include "abbe/chain/grinder_cases.h"
+#include "abbe/chain/test_grinder.h"
 #include "abbe/machine/read_machine.h"
 
 namespace abbe {

@@ -30,9 +30,6 @@ enum Lane : unsigned char {
 struct Kernel {
   const char* name = "";
   int width = 1;  ///< poses side by side
-  /// Actual tips of `count` poses: tip[0..2][i], mm. lanes[i] |= outside. tool_tip and approach as in Setting.
-  void (*tips)(const FlatView&, const double* tool_tip, const signed char* approach, const double* const* q,
-               std::size_t count, double* const* tip, unsigned char* lanes) = nullptr;
   /// The actual tip of one pose: q[axis], tip[0..2]. *lane |= outside.
   void (*one_tip)(const FlatView&, const double* tool_tip, const signed char* approach, const double* q,
                   double* tip, unsigned char* lane) = nullptr;

@@ -99,7 +99,7 @@ template <class V>
   state.outside |= lanes_outside(q, table.lo, table.hi);
   const V x = table.period > 0 ? wrapped(q, table.period_lo, table.period) : q;
   if constexpr (lanes_of<V> <= 2) {
-    // One or two poses are done one after the other.
+    // So few poses are done one after the other.
     alignas(64) double values[lanes_of<V>][kRow];
     for (int p = 0; p < lanes_of<V>; ++p) {
       const double at = lane(x, p);
@@ -308,23 +308,6 @@ void walk_actual(const FlatView& plan, State<V>& state, Triple<V>& p, Triple<V>&
   if (Axis) a = broadcast<V>(state.axis);
   for (std::uint32_t i = 0; i < plan.actual_count; ++i)
     step<V, Axis>(plan, plan.actual[i], state, p, a);
-}
-
-template <class V>
-void tips_of(const FlatView& plan, const double* tool_tip, const signed char* approach, const Source& from,
-             double* const* tip, unsigned char* lanes) {
-  State<V> state;
-  state.tip = tool_tip;
-  state.approach = approach;
-  for (int i = 0; i < plan.axis_count; ++i) state.q[i] = load<V>(from, i);
-  Triple<V> p, a;
-  walk_actual<V, false>(plan, state, p, a);
-  store(tip[0], from.first, from.count, p.x);
-  store(tip[1], from.first, from.count, p.y);
-  store(tip[2], from.first, from.count, p.z);
-  if (state.outside == 0) return;
-  for (int i = 0; i < lanes_of<V> && from.first + static_cast<std::size_t>(i) < from.count; ++i)
-    if ((state.outside >> i & 1) != 0) lanes[from.first + static_cast<std::size_t>(i)] |= Lane::outside;
 }
 
 }  // namespace

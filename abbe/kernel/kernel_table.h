@@ -17,13 +17,6 @@ void one_tip(const FlatView& plan, const double* tool_tip, const signed char* ap
   if (state.outside != 0) *lane |= Lane::outside;
 }
 
-void tips(const FlatView& plan, const double* tool_tip, const signed char* approach, const double* const* q,
-          std::size_t count, double* const* tip, unsigned char* lanes) {
-  if (count == 2) return tips_of<Pair>(plan, tool_tip, approach, {q, 0, 2}, tip, lanes);
-  for (std::size_t i = 0; i < count; i += lanes_of<Packet>)
-    tips_of<Packet>(plan, tool_tip, approach, {q, i, count}, tip, lanes);
-}
-
 void correct_poses(const FlatView& plan, const Setting& setting, const double* const* q, std::size_t count,
                    double* const* corrected, double* last, unsigned char* lanes) {
   const FreeAxes axes = free_axes_of(plan, setting);
@@ -35,7 +28,7 @@ void correct_poses(const FlatView& plan, const Setting& setting, const double* c
 }  // namespace
 
 const Kernel& ABBE_KERNEL_FUNCTION() {
-  static constexpr Kernel kernel = {ABBE_KERNEL_NAME, lanes_of<Packet>, tips, one_tip, correct_poses};
+  static constexpr Kernel kernel = {ABBE_KERNEL_NAME, lanes_of<Packet>, one_tip, correct_poses};
   return kernel;
 }
 

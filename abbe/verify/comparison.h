@@ -61,11 +61,8 @@ class Comparison {
   void follow_along(const Cover& cover, double t);
   void follow_at(const Cover& cover, double s);
   bool take_up(Cover& cover, const Motion& piece);
-  void look_inside(Cover& cover, const Motion& piece, double from, const Vec3& error_from, double to,
-                   const Vec3& error_to, const Vec3& tip_to, int depth);
   void sample_interval(Cover& cover, const Motion& piece, double from, const Vec3& error_from, double to,
-                       const Vec3& error_to, const Vec3& tip_to, const Vec3& command, const Vec3& tip,
-                       int depth);
+                       const Vec3& error_to, const Vec3& tip_to, int depth);
   void account(Cover& cover, const Motion& piece, double t, const Vec3& command, const Vec3& tip);
   void conclude(Cover& cover);
 

@@ -171,19 +171,10 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   for (int k = 1; k <= n; ++k) {
     const double from = static_cast<double>(k - 1) / n, to = static_cast<double>(k) / n;
     const Vec3 command = k == n ? piece.end.at : point_at(piece, to);
-    Vec3 tip;
-    if (looks_inside && !job_.reversal) {
-      const double middle = from + kInner * (to - from);
-      const Vec3 inside = point_at(piece, middle);
-      const auto tips = model_.actual(inside, command, approach_, &cover.outside);
-      tip = tips.b;
-      sample_interval(cover, piece, from, error, to, tip - model_.nominal(command), tip, inside, tips.a, 0);
-    } else {
-      if (job_.reversal) follow_along(cover, to);
-      tip = model_.actual(command, approach_, &cover.outside);
-      if (looks_inside) look_inside(cover, piece, from, error, to, tip - model_.nominal(command), tip, 0);
-    }
+    if (job_.reversal) follow_along(cover, to);
+    const Vec3 tip = model_.actual(command, approach_, &cover.outside);
     const Vec3 error_to = tip - model_.nominal(command);
+    if (looks_inside) sample_interval(cover, piece, from, error, to, error_to, tip, 0);
     account(cover, piece, to, command, tip);
     error = error_to;
   }
@@ -273,29 +264,21 @@ bool Comparison::take_up(Cover& cover, const Motion& piece) {
   return true;
 }
 
-/// Evaluates the inner point of an interval and samples there.
-void Comparison::look_inside(Cover& cover, const Motion& piece, double from, const Vec3& error_from, double to,
-                             const Vec3& error_to, const Vec3& tip_to, int depth) {
+/// Samples the inside of an interval, in the order of cutting; more densely where the error bends.
+void Comparison::sample_interval(Cover& cover, const Motion& piece, double from, const Vec3& error_from,
+                                 double to, const Vec3& error_to, const Vec3& tip_to, int depth) {
   const double middle = from + kInner * (to - from);
   const Vec3 command = point_at(piece, middle);
   if (job_.reversal) follow_along(cover, middle);
   const Vec3 tip = model_.actual(command, approach_, &cover.outside);
-  sample_interval(cover, piece, from, error_from, to, error_to, tip_to, command, tip, depth);
-}
-
-/// Samples the inside of an interval, in the order of cutting; more densely where the error bends.
-void Comparison::sample_interval(Cover& cover, const Motion& piece, double from, const Vec3& error_from,
-                                 double to, const Vec3& error_to, const Vec3& tip_to, const Vec3& command,
-                                 const Vec3& tip, int depth) {
-  const double middle = from + kInner * (to - from);
   const Vec3 error = tip - model_.nominal(command);
   // How far the error is from the straight line between the ends of the interval.
   const Vec3 bend = error - ((1 - kInner) * error_from + kInner * error_to);
   const double limit = kBend * job_.tolerance;
   const bool bends = bend.squaredNorm() > limit * limit && depth < kMaxDepth;
-  if (bends) look_inside(cover, piece, from, error_from, middle, error, tip, depth + 1);
+  if (bends) sample_interval(cover, piece, from, error_from, middle, error, tip, depth + 1);
   account(cover, piece, middle, command, tip);
-  if (bends) look_inside(cover, piece, middle, error, to, error_to, tip_to, depth + 1);
+  if (bends) sample_interval(cover, piece, middle, error, to, error_to, tip_to, depth + 1);
 }
 
 /// One sample of the output at t of its piece: where on the original it is, and how far off.

@@ -73,21 +73,13 @@ std::optional<Diagnostic> TipModel::use_tool(std::optional<int> tool) {
   return std::nullopt;
 }
 
-void TipModel::approach_from(const Approach& approach) const {
-  if (!directional_) return;
-  for (std::size_t k = 0; k < 3; ++k) query_.approach[axes_[k]] = approach[k];
-}
-
 Vec3 TipModel::actual(const Vec3& m, const Approach& approach, bool* outside) const {
   for (std::size_t k = 0; k < 3; ++k) query_.q[axes_[k]] = m[static_cast<Eigen::Index>(k)];
-  approach_from(approach);
+  // Only then: a byte written here makes the kernel wait for it.
+  if (directional_) {
+    for (std::size_t k = 0; k < 3; ++k) query_.approach[axes_[k]] = approach[k];
+  }
   return actual_tip_(query_, outside);
-}
-
-kernel::TipFunction::Two TipModel::actual(const Vec3& a, const Vec3& b, const Approach& approach,
-                                          bool* outside) const {
-  approach_from(approach);
-  return actual_tip_.two(query_, axes_, a, b, outside);
 }
 
 int TipModel::beyond_travel(const Vec3& m) const {

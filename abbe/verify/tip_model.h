@@ -35,10 +35,6 @@ class TipModel {
   /// Tip with all errors. `outside` is set when an error is held beyond its ends.
   [[nodiscard]] Vec3 actual(const Vec3& m, const Approach& approach, bool* outside) const;
 
-  /// Tips at a and at b, side by side.
-  [[nodiscard]] kernel::TipFunction::Two actual(const Vec3& a, const Vec3& b, const Approach& approach,
-                                                bool* outside) const;
-
   /// See abbe::straight_reach; with the tool in the spindle.
   [[nodiscard]] double straight_reach(double bend) const {
     return abbe::straight_reach(plan_, query_.tool, bend);
@@ -51,8 +47,6 @@ class TipModel {
 
  private:
   TipModel(const Plan& plan, const ControlSetup& setup) : plan_(plan), actual_tip_(plan), setup_(setup) {}
-  void approach_from(const Approach& approach) const;
-
   Plan plan_;
   kernel::TipFunction actual_tip_;
   ControlSetup setup_;

@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "abbe/chain/grinder_cases.h"
+#include "abbe/chain/test_grinder.h"
 #include "machines.h"
 #include "run_program.h"
 
