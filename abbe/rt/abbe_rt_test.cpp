@@ -189,6 +189,20 @@ TEST(RealTime, WhatCannotBeCorrectedIsHeld) {
   EXPECT_NE(corrected, far);
 }
 
+/// Five axes restore the whole tool, whatever its length; three leave the tilt, whose lever the length is.
+TEST(RealTime, TheGaugeLengthIsALever) {
+  const Model model(
+      "format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z t\"\n[errors]\nEBX = { poly = [0, 1] }\n", nullptr);
+  ASSERT_NE(model.model, nullptr) << model.why;
+  const std::array<double, 3> q = {100, 0, 0};
+  for (const double length : {0.0, 200.0}) {
+    std::array<double, 3> corrected{};
+    EXPECT_EQ(abbe_rt_correct(model.model, q.data(), length, corrected.data(), nullptr), ABBE_RT_OK);
+    // The tip is below: a turn of 100 urad about +Y moves it by -length * 100e-6 along X.
+    EXPECT_NEAR(corrected[0], 100 + length * 100e-6, 1e-5);
+  }
+}
+
 TEST(RealTime, LargeCorrectionsAreHeld) {
   // 40 mm instead of 40 um: a slip of the unit.
   const std::string text = "format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z t\"\n[errors]\nEYY = 40000\n";
