@@ -5,6 +5,7 @@
 #include <string>
 
 #include "abbe/chain/predict.h"
+#include "abbe/chain/test_grinder.h"
 #include "abbe/chain/test_seven_axis_machine.h"
 #include "abbe/machine/read_machine.h"
 
@@ -24,7 +25,7 @@ struct Expected {
   double length = kExactLength, axis = kExactAxis;
 };
 
-void check(const char* text, const std::map<std::string, double>& q, const Environment& environment,
+void check(const std::string& text, const std::map<std::string, double>& q, const Environment& environment,
            const std::map<std::string, int>& approach, const std::vector<Expected>& all) {
   const Parsed<Machine> parsed =
       read_machine({"regression.toml", text}, std::nullopt,
@@ -436,88 +437,7 @@ EB0Z = 4.899e-05
 }
 
 TEST(Regression, GearGrinder) {
-  constexpr const char* kText = R"(format = 1
-[machine]
-name = "regression"
-chain = "w C X b Y Z A t"
-[units]
-angle = "rad"
-error_length = "mm"
-error_angle = "rad"
-[axis.X]
-direction = [1, 0, 0]
-errors_seen = "body"
-[axis.C]
-direction = [0, 0, 1]
-location = "frame"
-errors_seen = "body"
-[axis.Y]
-location = "frame"
-[axis.Z]
-location = "frame"
-[axis.A]
-origin = [0, 0, 200.0]
-order = ["location", "motion", "static", "-location"]
-[tool]
-origin = [0, 0, 0]
-[workpiece]
-origin = [0, 0, 0]
-[errors]
-EXX = -0.00725
-EYX = 0.00165
-EZX = 0.00735
-EAX = 6.43e-06
-EBX = 5.64e-06
-ECX = -8.71e-06
-EXY = -0.00478
-EYY = -0.00759
-EZY = 0.00014
-EAY = 5.58e-06
-EBY = -8e-07
-ECY = -3.3e-07
-EXZ = 0.00334
-EYZ = -0.00223
-EZZ = 0.00615
-EAZ = -5.71e-06
-EBZ = -8.08e-06
-ECZ = -1e-08
-EXA = -0.00942
-EYA = 0.00829
-EZA = 0.00711
-EAA = -2.02e-06
-EBA = -1.14e-06
-ECA = 2.44e-06
-EXC = 0.00561
-EYC = 0.00571
-EZC = -0.00996
-EAC = 4.25e-06
-EBC = -8.8e-07
-ECC = -4.55e-06
-EXt = 0.00477
-EYt = 0.00642
-EZt = -0.00532
-EAt = 2.1e-06
-EBt = 9.35e-06
-ECt = -7.91e-06
-EXw = 0.00846
-EYw = -0.0035
-EZw = -0.00938
-EAw = -9.55e-06
-EBw = -9.48e-06
-ECw = 3.3e-06
-EX0C = 0.00108
-EY0C = -0.00982
-EA0C = 9.23e-06
-EB0C = 8.04e-06
-EY0A = -0.0022
-EZ0A = 0.00405
-EC0A = -5.57e-06
-EB0A = 9.84e-06
-EC0Y = -1.36e-06
-EA0Z = 4.86e-06
-EB0Z = -9.41e-06
-)";
-  check(kText, {{"X", -55.5}, {"Y", 20.25}, {"Z", -30.125}, {"A", 0.5}, {"C", -1.2}}, {}, {},
+  check(grinder::text(0), {{"X", -55.5}, {"Y", 20.25}, {"Z", -30.125}, {"A", 0.5}, {"C", -1.2}}, {}, {},
         {{ErrorModel::rigid, Vec3(-88.15725358812344, 93.8129825282963, -5.612447715910194),
           Vec3(0.44683639734623704, -0.17374318086023707, 0.8775822133060827), 1e-11, 1e-14}});
 }
