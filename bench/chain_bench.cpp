@@ -11,6 +11,7 @@
 #include "abbe/chain/correct.h"
 #include "abbe/chain/predict.h"
 #include "abbe/machine/read_machine.h"
+#include "bench/path_data.h"
 
 #ifdef ABBE_HAVE_KDL
 #include <kdl/chain.hpp>
@@ -21,22 +22,14 @@
 namespace {
 
 using namespace abbe;
+using bench::path;
+using bench::table;
 using Commands = std::array<double, kMaxAxes>;
 
 std::string cubic(const std::string& name, int seed, double first) {
   const double s = (seed % 7) - 3, t = (seed % 5) - 2;
   return name + " = { poly = [0, " + std::to_string(first * s) + ", " + std::to_string(first * t * 1e-3) +
          ", " + std::to_string(first * s * 1e-6) + "] }\n";
-}
-
-std::string table(const std::string& name, int seed, double amplitude, double lo, double hi) {
-  std::string text = name + " = { interpolation = \"cubic\", table = [";
-  for (int i = 0; i < 100; ++i) {
-    const double x = lo + (hi - lo) * i / 99;
-    text += (i > 0 ? ", [" : "[") + std::to_string(x) + ", " +
-            std::to_string(amplitude * std::sin(0.07 * i + seed)) + "]";
-  }
-  return text + "] }\n";
 }
 
 /// 6 functions per axis and, on five axes, 2 squareness or location angles each: 40 functions.
@@ -82,26 +75,6 @@ Machine five_axes(bool tables) {
 
 Plan plan_of(const Machine& machine) { return std::get<Plan>(make_plan(machine, {})); }
 
-/// A smooth path of 1024 poses away from the singular pose.
-std::vector<Query> path(const Machine& machine) {
-  std::vector<Query> queries;
-  for (int i = 0; i < 1024; ++i) {
-    const double t = i * 0.006;
-    Query query;
-    query.tool = tool_of(machine);
-    const auto set = [&](const char* name, double value) {
-      if (const int k = machine.find_axis(name); k >= 0) query.q[static_cast<std::size_t>(k)] = value;
-    };
-    set("X", 200 * std::sin(t));
-    set("Y", 150 * std::cos(1.3 * t));
-    set("Z", 60 * std::sin(0.7 * t) - 40);
-    set("A", 0.6 + 0.4 * std::sin(0.9 * t));
-    set("C", 1.5 * std::sin(0.5 * t));
-    queries.push_back(query);
-  }
-  return queries;
-}
-
 bool corrects(const Plan& plan, const Query& query, const Correction& c, double limit) {
   Query there = query;
   there.q = c.corrected;
@@ -110,7 +83,7 @@ bool corrects(const Plan& plan, const Query& query, const Correction& c, double 
 
 void actual_tip_per_pose(benchmark::State& state, const Machine& machine) {
   const Plan plan = plan_of(machine);
-  const std::vector<Query> queries = path(machine);
+  const std::vector<Query> queries = path(machine, 0.006);
   if ((actual_tip(plan, queries[5]) - predict(plan, queries[5]).actual.position).norm() > 1e-10)
     state.SkipWithError("wrong tip");
   std::size_t i = 0;
@@ -119,7 +92,7 @@ void actual_tip_per_pose(benchmark::State& state, const Machine& machine) {
 
 void nominal_tip_per_pose(benchmark::State& state, const Machine& machine) {
   const Plan plan = plan_of(machine);
-  const std::vector<Query> queries = path(machine);
+  const std::vector<Query> queries = path(machine, 0.006);
   if ((nominal_tip(plan, queries[5]) - predict(plan, queries[5]).nominal.position).norm() > 1e-10)
     state.SkipWithError("wrong tip");
   std::size_t i = 0;
@@ -128,7 +101,7 @@ void nominal_tip_per_pose(benchmark::State& state, const Machine& machine) {
 
 void predict_pose(benchmark::State& state, const Machine& machine) {
   const Plan plan = plan_of(machine);
-  const std::vector<Query> queries = path(machine);
+  const std::vector<Query> queries = path(machine, 0.006);
   const Prediction first = predict(plan, queries[5]);
   if (!first.finite || first.deviation.position.norm() == 0) state.SkipWithError("nothing predicted");
   std::size_t i = 0;
@@ -137,7 +110,7 @@ void predict_pose(benchmark::State& state, const Machine& machine) {
 
 void correct_cold(benchmark::State& state, const Machine& machine) {
   const Plan plan = plan_of(machine);
-  const std::vector<Query> queries = path(machine);
+  const std::vector<Query> queries = path(machine, 0.006);
   const AxisSet free = free_axes(machine, 0).value();
   int evaluations = 0;
   for (const Query& query : queries) {
@@ -152,7 +125,7 @@ void correct_cold(benchmark::State& state, const Machine& machine) {
 
 void correct_warm(benchmark::State& state, const Machine& machine) {
   const Plan plan = plan_of(machine);
-  const std::vector<Query> queries = path(machine);
+  const std::vector<Query> queries = path(machine, 0.006);
   const AxisSet free = free_axes(machine, 0).value();
   CorrectOptions options;
   options.position_tolerance = 1e-6;
@@ -222,7 +195,7 @@ KDL::Chain folded(const KDL::Chain& chain) {
 void kdl_fk_and_jacobian(benchmark::State& state) {
   const Machine machine = five_axes(false);
   const Plan plan = plan_of(machine);
-  const std::vector<Query> queries = path(machine);
+  const std::vector<Query> queries = path(machine, 0.006);
   const KDL::Chain chain = folded(kdl_chain(machine));
   KDL::ChainFkSolverPos_recursive position(chain);
   KDL::ChainJntToJacSolver solver(chain);

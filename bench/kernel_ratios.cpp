@@ -26,12 +26,14 @@
 #include "abbe/kernel/flat_plan.h"
 #include "abbe/kernel/kernel.h"
 #include "abbe/machine/read_machine.h"
+#include "bench/path_data.h"
 
 namespace {
 
 using namespace abbe;
-
-constexpr std::size_t kPoses = 1024;
+using bench::kPoses;
+using bench::path;
+using bench::table;
 
 struct Topology {
   const char* name;
@@ -49,16 +51,6 @@ const Topology kTopologies[] = {
               "\"tool\"\n[axis.X]\nerrors_seen = \"tool\"\n[axis.A]\norigin = [0, 30, 380]\n"},
     {"odd", "chain = \"w X Y b C A Z t\"\n[axis.C]\norigin = [0, 30, 400]\n[axis.A]\norigin = [0, 30, 380]\n"
             "[axis.X]\nerrors_seen = \"tool\"\n[axis.Y]\nerrors_seen = \"tool\"\n"}};
-
-std::string table(const std::string& name, int seed, double amplitude, double lo, double hi) {
-  std::string text = name + " = { interpolation = \"cubic\", table = [";
-  for (int i = 0; i < 100; ++i) {
-    const double x = lo + (hi - lo) * i / 99;
-    text += (i > 0 ? ", [" : "[") + std::to_string(x) + ", " +
-            std::to_string(amplitude * std::sin(0.07 * i + seed)) + "]";
-  }
-  return text + "] }\n";
-}
 
 Machine machine_of(const Topology& topology) {
   std::string text = "format = 1\n[machine]\nname = \"" + std::string(topology.name) + "\"\n" + topology.text +
@@ -80,32 +72,13 @@ Machine machine_of(const Topology& topology) {
   return *parsed.value;
 }
 
-std::vector<Query> path(const Machine& machine) {
-  std::vector<Query> queries;
-  for (std::size_t i = 0; i < kPoses; ++i) {
-    const double t = static_cast<double>(i) * 0.004;
-    Query query;
-    query.tool = tool_of(machine);
-    const auto set = [&](const char* name, double value) {
-      if (const int k = machine.find_axis(name); k >= 0) query.q[static_cast<std::size_t>(k)] = value;
-    };
-    set("X", 200 * std::sin(t));
-    set("Y", 150 * std::cos(1.3 * t));
-    set("Z", 60 * std::sin(0.7 * t) - 40);
-    set("A", 0.6 + 0.4 * std::sin(0.9 * t));
-    set("C", 1.5 * std::sin(0.5 * t));
-    queries.push_back(query);
-  }
-  return queries;
-}
-
 /// Everything of one machine that the candidates need.
 struct Subject {
   explicit Subject(const Topology& topology)
       : machine(machine_of(topology)),
         plan(std::get<Plan>(make_plan(machine, {}))),
         flat(kernel::FlatPlan::make(plan)),
-        queries(path(machine)) {
+        queries(path(machine, 0.004)) {
     for (std::size_t k = 0; k < 5; ++k) {
       q.emplace_back();
       corrected.emplace_back(kPoses);

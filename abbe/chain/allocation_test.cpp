@@ -1,43 +1,12 @@
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-#include <new>
-
 #include "abbe/chain/correct.h"
 #include "abbe/chain/predict.h"
 #include "abbe/chain/test_random_machine.h"
-
-#if defined(__SANITIZE_ADDRESS__)
-#define ABBE_COUNTS_ALLOCATIONS 0
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define ABBE_COUNTS_ALLOCATIONS 0
-#endif
-#endif
-#ifndef ABBE_COUNTS_ALLOCATIONS
-#define ABBE_COUNTS_ALLOCATIONS 1
-#endif
-
-namespace {
-std::size_t allocations = 0;
-}  // namespace
-
-#if ABBE_COUNTS_ALLOCATIONS  // the sanitizer has operators of its own, and does not like half of them
-                             // replaced
-// Out of line, or the compiler pairs malloc with delete and complains.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-#endif
+#include "abbe/core/test_allocations.h"
 
 namespace abbe {
 namespace {
-
-[[gnu::noinline]] std::size_t allocation_count() { return allocations; }
 
 TEST(Chain, NoAllocation) {
   if (!ABBE_COUNTS_ALLOCATIONS) GTEST_SKIP() << "not with the address sanitizer";

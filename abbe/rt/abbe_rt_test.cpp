@@ -5,38 +5,12 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <limits>
-#include <new>
 #include <string>
 
 #include "abbe/chain/correct.h"
+#include "abbe/core/test_allocations.h"
 #include "abbe/machine/read_machine.h"
-
-#if defined(__SANITIZE_ADDRESS__)
-#define ABBE_COUNTS_ALLOCATIONS 0
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer)
-#define ABBE_COUNTS_ALLOCATIONS 0
-#endif
-#endif
-#ifndef ABBE_COUNTS_ALLOCATIONS
-#define ABBE_COUNTS_ALLOCATIONS 1
-#endif
-
-namespace {
-std::size_t allocations = 0;
-}  // namespace
-
-#if ABBE_COUNTS_ALLOCATIONS
-[[gnu::noinline]] void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* p = std::malloc(size == 0 ? 1 : size)) return p;
-  throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* p) noexcept { std::free(p); }
-[[gnu::noinline]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-#endif
 
 namespace {
 
@@ -143,13 +117,14 @@ TEST(RealTime, CorrectingAllocatesNothing) {
   const Model model(kMachine);
   ASSERT_NE(model.model, nullptr) << model.why;
   std::array<double, 5> q = {0.1, 0.5, 10, 20, 30};
-  const std::size_t before = allocations;
+  const std::size_t before = abbe::allocation_count();
+  ASSERT_GT(before, 0U);  // it counts: the model was loaded
   for (int i = 0; i < 100; ++i) {
     q[0] += 0.01;
     std::array<double, 5> corrected;
     static_cast<void>(abbe_rt_correct(model.model, q.data(), 120, corrected.data(), nullptr));
   }
-  EXPECT_EQ(allocations, before);
+  EXPECT_EQ(abbe::allocation_count(), before);
 }
 
 TEST(RealTime, WhatCannotBeCorrectedIsHeld) {
