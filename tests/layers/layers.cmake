@@ -3,7 +3,8 @@ cmake_minimum_required(VERSION 3.25)
 #   cmake -DROOT=<repository> -P layers.cmake
 # A stage is a folder of abbe/. Entries are stages, or single headers of a stage.
 
-set(stages core errors machine chain kernel rt symbols volume program compensate verify report pipeline)
+set(stages core errors machine chain kernel rt symbols volume program compensate verify
+    signal capture ballbar evaluate identify fit simulate cl report pipeline)
 set(core_may)
 set(errors_may core)
 set(machine_may core errors)
@@ -15,13 +16,24 @@ set(rt_may core errors machine chain kernel)
 set(volume_may core errors machine chain)
 set(compensate_may core errors machine chain kernel program)
 set(verify_may core errors machine chain kernel)  # neither program nor compensate: it judges them
-set(report_may core errors machine chain kernel volume program compensate verify)
-set(pipeline_may core errors machine chain kernel volume program compensate verify report)
+set(signal_may core)
+set(capture_may core)
+set(ballbar_may core signal)
+set(evaluate_may core signal)
+set(identify_may core errors machine chain signal ballbar)
+set(fit_may core errors machine chain signal evaluate)
+set(simulate_may core errors machine chain signal capture ballbar evaluate)
+set(cl_may core errors machine chain)
+set(report_may core errors machine chain kernel volume program compensate verify signal ballbar evaluate identify fit cl)
+set(pipeline_may core errors machine chain kernel volume program compensate verify cl report)
 
 # Third-party headers outside the standard library and Eigen: only in .cpp files, and only here.
-set(third_party "^(fmt|toml\\+\\+|nlohmann|openssl|CLI)/")
+set(third_party "^(fmt|toml\\+\\+|nlohmann|openssl|CLI|ceres|pcap|pugixml)[/.]")
 set(openssl_in core)
-set(toml++_in machine)
+set(toml++_in machine capture fit)
+set(ceres_in identify)
+set(pcap_in capture)
+set(pugixml_in capture)
 set(nlohmann_in report)
 set(fmt_in ${stages})
 set(CLI_in)
