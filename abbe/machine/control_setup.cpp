@@ -3,7 +3,13 @@
 #include <algorithm>
 #include <string_view>
 
+#include "abbe/machine/read_profile.h"
+
 namespace abbe {
+
+std::shared_ptr<const Profile> profile_of(const ControlSetup& setup) {
+  return setup.profile ? setup.profile : embedded_profile("linuxcnc");
+}
 
 std::optional<int> work_offset_index(std::string_view name) {
   constexpr std::array<std::string_view, 9> kNames{"G54", "G55",   "G56",   "G57",  "G58",

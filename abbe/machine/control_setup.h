@@ -2,6 +2,7 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 
 #include "abbe/core/diagnostic.h"
 #include "abbe/machine/machine.h"
+#include "abbe/machine/profile.h"
 
 namespace abbe {
 
@@ -31,6 +33,7 @@ struct WorkOffset {
 /// What the control knows besides the program: given by the user, needed to know where the
 /// machine's axes really stand. Positions are X Y Z in mm.
 struct ControlSetup {
+  std::shared_ptr<const Profile> profile;                 ///< the control; null = LinuxCNC
   std::array<std::optional<WorkOffset>, 9> work_offsets;  ///< G54 G55 G56 G57 G58 G59 G59.1 G59.2 G59.3
   std::map<int, ToolEntry> tools;                         ///< by tool number
   std::map<int, double> gauges;                           ///< --gauge: tool number -> gauge length, mm
@@ -40,6 +43,9 @@ struct ControlSetup {
   BlockDelete block_delete = BlockDelete::unknown;
   bool tool_change_keeps_place = false;  ///< false: after M6 no axis is known to stand where it was
 };
+
+/// The profile of the setup; LinuxCNC's where none is given.
+[[nodiscard]] std::shared_ptr<const Profile> profile_of(const ControlSetup& setup);
 
 /// "G54" .. "G59", "G59.1" .. "G59.3" -> 0..8; nullopt otherwise.
 [[nodiscard]] std::optional<int> work_offset_index(std::string_view name);

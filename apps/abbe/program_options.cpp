@@ -113,7 +113,7 @@ std::string today() {
 
 void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) {
   add_common_options(verb, a.common, session);
-  verb.add_option("--dialect", a.dialect, "control the program is for")->check(CLI::IsMember({"linuxcnc"}))->capture_default_str();
+  add_profile_options(verb, a.profile);
   verb.add_option("--offset", a.offsets, "work offset in machine coordinates, e.g. G54=X-120.5,Y40,Z-210[,R10] (repeatable)");
   verb.add_option("--var", a.parameters, "LinuxCNC parameter file: work offsets, in mm");
   verb.add_option("--tools", a.tools, "LinuxCNC tool table, in mm (gauge= in a comment gives the gauge length)");
@@ -137,6 +137,8 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, Se
   Diagnostics findings;
   ControlSetup setup;
   bool good = true;
+  const auto profile = load_profile(a.profile, session);
+  if (profile == nullptr) return std::nullopt;
   if (!a.parameters.empty()) {
     const auto text = text_of(a.parameters, session);
     good = text && take(read_parameter_file(a.parameters, *text), setup, session) && good;
@@ -154,6 +156,7 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, Se
       }
     }
   }
+  setup.profile = profile;
   setup.loaded_tool = a.tool;
   setup.tool_change_keeps_place = a.tool_change == "keeps";
   using BlockDelete = ControlSetup::BlockDelete;
