@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "abbe/core/number.h"
 
@@ -13,19 +14,25 @@ namespace {
 constexpr std::string_view kMark = "ABBE COMPENSATED";
 // Our mark stands in the header, never deeper.
 constexpr std::uint64_t kMarkLines = 40;
+// Half a digit, mm: finer ones need no allowance of their own.
+constexpr double kFineDigits = 0.1 * um;
 
 }  // namespace
 
 Rewriter::Rewriter(const Plan& plan, const ProgramAxes& axes, const RewriteJob& job, RewriteReport& report)
-    : job_(job), report_(report), machine_(plan.machine()), field_(plan, axes, job.probed_datum), findings_(job.name),
+    : job_(job), shared_profile_(profile_of(job.setup)), profile_(*shared_profile_), report_(report), machine_(plan.machine()), field_(plan, axes, job.probed_datum), findings_(job.name),
       interpolation_(job.tolerance / 2),
-      angular_(machine_.has_angular_errors()), in_(job.setup.work_offsets),
-      out_(job.setup.work_offsets) {
+      angular_(machine_.has_angular_errors()), modal_(start_of(profile_)), in_(job.setup), out_(job.setup),
+      frame_reported_(static_cast<std::size_t>(in_.frames.count())) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (!job.setup.start[k]) continue;
     known_ |= 1u << k;
     in_.m[static_cast<Eigen::Index>(k)] = out_.m[static_cast<Eigen::Index>(k)] = *job.setup.start[k];
   }
+  // Words of the control's increment: both ends and the centre of an arc are rounded. Finer digits are within
+  // the tolerance.
+  const double half_increment = 0.5 * std::pow(10.0, -profile_.numbers.decimals_mm);
+  if (half_increment > kFineDigits) digit_room_ = 2 * std::numbers::sqrt2 * half_increment;
   change_tool(job.setup.loaded_tool);
 }
 
@@ -45,9 +52,9 @@ void Rewriter::warn(const char* code, std::string message, const char* why, cons
 }
 
 int Rewriter::decimals_of(const Word* word) const {
-  // 0.1 um in mm, 0.25 um in inch; a word that has more digits keeps them
-  const int profile = modal_.inch ? 5 : 4;
-  return word ? std::max<int>(profile, word->decimals) : profile;
+  // What the control resolves; where it reads finer numbers, a word that has more digits keeps them.
+  const int profile = modal_.inch ? profile_.numbers.decimals_inch : profile_.numbers.decimals_mm;
+  return word && profile_.numbers.finer ? std::max<int>(profile, word->decimals) : profile;
 }
 
 double Rewriter::half_digit(int decimals) const {
@@ -57,8 +64,8 @@ double Rewriter::half_digit(int decimals) const {
 }
 
 void Rewriter::end_line(std::string& out, std::size_t begin) {
-  if (out.size() - begin > kMaxBlockBytes) {
-    refuse_block("E-LINELEN", fmt::format("the compensated block would have {} bytes, {} is the limit", out.size() - begin, kMaxBlockBytes),
+  if (out.size() - begin > profile_.text.block_bytes) {
+    refuse_block("E-LINELEN", fmt::format("the compensated block would have {} bytes, {} is the limit", out.size() - begin, profile_.text.block_bytes),
                  "the control refuses longer lines", "shorten the comment, or break the block into two");
   }
   out += eol_;
@@ -89,7 +96,7 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
     out += bytes.substr(0, leader);
     bytes.remove_prefix(leader);
   }
-  const auto error = read_block(bytes, block_);
+  const auto error = read_block(bytes, block_, profile_.text.skip == Profile::Skip::numbered);
   eol_ = block_.eol;
   if (file_eol_.empty()) file_eol_ = std::string(eol_);
   if (ended_) return pass(out);  // the control does not read on
@@ -105,6 +112,7 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
                   "this program has been compensated already", "compensating twice doubles the correction",
                   "use the original program");
   }
+  if (!read_text_rules()) return;
   if (block_.percent) {
     if (!percent_seen_ && !any_block_) {
       percent_first_ = percent_seen_ = true;
@@ -123,7 +131,7 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
     return write_header(out);
   }
   if (block_.count == 0) return pass(out);
-  if (block_.slash) {
+  if (block_.slash && profile_.text.skip != Profile::Skip::ignored) {
     using BlockDelete = ControlSetup::BlockDelete;
     if (job_.setup.block_delete == BlockDelete::on) return pass(out);
     if (job_.setup.block_delete == BlockDelete::unknown) {
@@ -132,12 +140,15 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
       return;
     }
   }
-  if (!read_instruction(block_, modal_, number, findings_, instruction_)) return;
+  if (!read_instruction(profile_, block_, modal_, number, findings_, instruction_)) return;
   execute(out);
 }
 
 void Rewriter::execute(std::string& out) {
   apply_modal(block_, instruction_, modal_);
+  if (profile_.numbers.integer_words != Profile::IntegerWords::units || !profile_.numbers.finer) {
+    if (!settle_numbers()) return;
+  }
   edit_.reset(block_);
   if (number_ == job_.trace_line) move_text_ = "no motion: copied";
   const Vec3 start = in_.m;
@@ -148,6 +159,7 @@ void Rewriter::execute(std::string& out) {
     const bool moves = instruction_.motion >= 0 && instruction_.motion != 800 &&
                        (instruction_.moves_axes || is_arc(instruction_.motion) || (is_cycle(instruction_.motion)));
     if (moves) {
+      if (!may_move()) return;
       ++report_.blocks.motion;
       motion(out);
     } else {
@@ -157,11 +169,16 @@ void Rewriter::execute(std::string& out) {
       if (edit_.changed()) ++report_.blocks.rewritten;
     }
   }
+  if (instruction_.smooths && !smoothing_said_) {
+    smoothing_said_ = true;
+    warn("W-SMOOTH", "the control's own smoothing is switched here: it is not modelled", "it may move the tool within its tolerance, after the correction",
+         "set that tolerance well below the one of the compensation");
+  }
   if (instruction_.ends) ended_ = true;
   if (number_ == job_.trace_line) {
     BlockTrace trace;
     const int active = in_.frames.active();
-    trace.frame = active < 6 ? fmt::format("G{}", 54 + active) : fmt::format("G59.{}", active - 5);
+    trace.frame = work_offset_label(active);
     if (const auto& work = in_.frames.work_offset(active)) trace.frame_origin = Vec3(work->origin[0], work->origin[1], work->origin[2]);
     trace.g92 = in_.frames.g92();
     trace.tool_offset = in_.frames.tool_offset();
@@ -182,7 +199,7 @@ void Rewriter::finish(std::string& out) {
   if (!header_written_ && !job_.header.empty() && !findings_.refused()) write_header(out);
   if (!ended_ && any_block_) {
     findings_.add(Severity::warning, "W-END", 0, "", 0, 1, "the program ends without M2, M30 or a closing '%'",
-                  "LinuxCNC runs it to here and then reports an error", "end it with M2");
+                  profile_.title + " runs it to here and then reports an error", "end it with M2");
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -36,7 +37,7 @@ class Rewriter {
  private:
   /// One of the two controls.
   struct Side {
-    explicit Side(const std::array<std::optional<WorkOffset>, 9>& offsets) : frames(offsets) {}
+    explicit Side(const ControlSetup& setup) : frames(setup) {}
     Frames frames;
     Vec3 m = Vec3::Zero();          ///< axis commands, mm; meaningless for unknown axes
     Vec3 g92_saved = Vec3::Zero();
@@ -50,6 +51,9 @@ class Rewriter {
 
   // rewriter.cpp: lines and blocks
   void execute(std::string& out);
+  bool read_text_rules();
+  bool settle_numbers();
+  bool may_move();
   void pass(std::string& out);
   void write_header(std::string& out);
   void refuse(const Word& word, const char* code, std::string message, const char* why, const char* fix);
@@ -63,6 +67,7 @@ class Rewriter {
   bool tool_length();
   bool zero_group(std::string& out, bool& done);
   bool set_g92();
+  bool turn_frame();
   bool set_work_offset();
   void refresh_datum();
 
@@ -140,11 +145,14 @@ class Rewriter {
   [[nodiscard]] const Word* axis_word(int axis) const { return instruction_.find(block_, "XYZ"[axis]); }
 
   const RewriteJob& job_;
+  const std::shared_ptr<const Profile> shared_profile_;
+  const Profile& profile_;
   RewriteReport& report_;
   const Machine& machine_;
   CorrectionField field_;
   ProgramFindings findings_;
   double interpolation_;          ///< mm
+  double digit_room_ = 0;         ///< mm: how far rounded words may take an arc from its places
   double short_enough_ = 0;       ///< mm: a move up to this length is not looked into
   bool angular_;
 
@@ -165,8 +173,10 @@ class Rewriter {
   std::optional<int> selected_tool_, loaded_tool_;
   double gauge_ = 0;
   bool saved_g92_ = false;
+  bool offset_doubtful_ = false;  ///< the control may have dropped the tool offset
+  bool smoothing_said_ = false;
   bool datum_dirty_ = true;
-  std::array<bool, 9> frame_reported_{};
+  std::vector<bool> frame_reported_;
 
   bool percent_first_ = false, percent_seen_ = false, any_block_ = false, ended_ = false, header_written_ = false;
 

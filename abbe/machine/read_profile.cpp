@@ -328,6 +328,9 @@ void read_states(const TomlNode& root, Profile& profile, Findings& findings) {
 void complete(Profile& profile) {
   profile.letters = 0;
   for (CodeUse& use : profile.g) {
+    const bool arc = use.meaning == Meaning::arc_cw || use.meaning == Meaning::arc_ccw;
+    if (arc && !profile.arcs.turns) use.words &= ~letter_set("P");
+    if (arc && !profile.arcs.radius_form) use.words &= ~letter_set("R");
     const bool cycle = use.meaning >= Meaning::chip_break && use.meaning <= Meaning::bore_dwell;
     if (cycle && profile.cycles.repeats == 'K') use.words = (use.words & ~letter_set("L")) | letter_set("K");
     profile.letters |= use.words;

@@ -49,7 +49,7 @@ void read_offsets(const std::vector<std::string>& arguments, double unit, Contro
     const std::size_t equals = argument.find('=');
     const auto index = work_offset_index(std::string_view(argument).substr(0, equals));
     if (equals == std::string::npos || !index) {
-      findings.push_back(option_error("--offset", fmt::format("'{}' does not begin with a work offset", argument), "write G54=X-120.5,Y40,Z-210 (G54 to G59.3)"));
+      findings.push_back(option_error("--offset", fmt::format("'{}' does not begin with a work offset", argument), "write G54=X-120.5,Y40,Z-210 (G54 to G59.3, G54.1P3, G154P3)"));
       continue;
     }
     const auto values = read_lettered("--offset", std::string_view(argument).substr(equals + 1), true, findings);
@@ -63,7 +63,8 @@ void read_offsets(const std::vector<std::string>& arguments, double unit, Contro
       offset.origin[k] = *values->axes[k] * unit;
     }
     offset.rotation = values->rotation.value_or(0) * deg;
-    setup.work_offsets[static_cast<std::size_t>(*index)] = offset;
+    if (*index < kFixedWorkOffsets) setup.work_offsets[static_cast<std::size_t>(*index)] = offset;
+    else setup.further_offsets[*index - kFixedWorkOffsets + 1] = offset;
   }
 }
 
