@@ -19,11 +19,17 @@ constexpr double kFineDigits = 0.1 * um;
 
 }  // namespace
 
-Rewriter::Rewriter(const Plan& plan, const ProgramAxes& axes, const RewriteJob& job, RewriteReport& report)
-    : job_(job), shared_profile_(profile_of(job.setup)), profile_(*shared_profile_), report_(report), machine_(plan.machine()), field_(plan, axes, job.probed_datum), findings_(job.name),
-      interpolation_(job.tolerance / 2),
+Rewriter::Rewriter(const Plan& plan, const AddressedAxes& axes, const RewriteJob& job, RewriteReport& report)
+    : job_(job), shared_profile_(profile_of(job.setup)), profile_(*shared_profile_), report_(report), machine_(plan.machine()),
+      field_(plan, axes, job.probed_datum), findings_(job.name), interpolation_(job.tolerance / 2),
       angular_(machine_.has_angular_errors()), modal_(start_of(profile_)), in_(job.setup), out_(job.setup),
-      frame_reported_(static_cast<std::size_t>(in_.frames.count())) {
+      tcp_(machine_.control.tcp), axes_(axes), frame_reported_(static_cast<std::size_t>(in_.frames.count())) {
+  modal_.tcp_codes = machine_.control.codes;
+  in_.turns = out_.turns = job.setup.start_turns;
+  for (unsigned k = 0; k < 3; ++k) {
+    if (axes.rotary[k] >= 0) needed_ |= 8u << k;
+  }
+  known_ = needed_ & ~7u;
   for (std::size_t k = 0; k < 3; ++k) {
     if (!job.setup.start[k]) continue;
     known_ |= 1u << k;
@@ -33,6 +39,7 @@ Rewriter::Rewriter(const Plan& plan, const ProgramAxes& axes, const RewriteJob& 
   // the tolerance.
   const double half_increment = 0.5 * std::pow(10.0, -profile_.numbers.decimals_mm);
   if (half_increment > kFineDigits) digit_room_ = 2 * std::numbers::sqrt2 * half_increment;
+  stand(in_.turns, out_.turns);
   change_tool(job.setup.loaded_tool);
 }
 
@@ -88,6 +95,20 @@ void Rewriter::write_header(std::string& out) {
   }
 }
 
+// A program number may begin with ':' instead of O: it is read as one, and copied as it stands.
+std::optional<BlockError> Rewriter::read_line(std::string_view bytes) {
+  const bool numbered_skip = profile_.text.skip == Profile::Skip::numbered;
+  const std::size_t first = bytes.find_first_not_of(" \t");
+  const bool colon = profile_.text.colon && !any_block_ && first != std::string_view::npos && bytes[first] == ':';
+  if (!colon) return read_block(bytes, block_, numbered_skip);
+  std::string spelled(bytes);
+  spelled[first] = 'O';
+  auto error = read_block(spelled, block_, numbered_skip);
+  block_.text = without_eol(bytes);
+  block_.eol = bytes.substr(block_.text.size());
+  return error;
+}
+
 void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long, std::string& out) {
   number_ = number;
   // A tape leader of NUL bytes is not part of the first line's text.
@@ -96,7 +117,7 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
     out += bytes.substr(0, leader);
     bytes.remove_prefix(leader);
   }
-  const auto error = read_block(bytes, block_, profile_.text.skip == Profile::Skip::numbered);
+  const auto error = read_line(bytes);
   eol_ = block_.eol;
   if (file_eol_.empty()) file_eol_ = std::string(eol_);
   if (ended_) return pass(out);  // the control does not read on
@@ -123,7 +144,7 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
     }
     return pass(out);
   }
-  const bool program_number = !any_block_ && block_.count == 1 && block_.words[0].letter == 'O' && !block_.slash;
+  const bool program_number = profile_.text.program_number && !any_block_ && block_.count == 1 && block_.words[0].letter == 'O' && !block_.slash;
   if (!header_written_ && block_.count > 0 && !program_number) write_header(out);
   if (block_.count > 0) any_block_ = true;
   if (program_number) {
@@ -141,6 +162,7 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
     }
   }
   if (!read_instruction(profile_, block_, modal_, number, findings_, instruction_)) return;
+  if (instruction_.turns_axes && !turn_words_allowed()) return;
   execute(out);
 }
 

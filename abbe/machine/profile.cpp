@@ -8,15 +8,16 @@ namespace abbe {
 namespace {
 
 constexpr LetterSet kAxes = letter_set("XYZ");
+constexpr LetterSet kMoves = letter_set("XYZABC");
 constexpr LetterSet kCentre = letter_set("IJK");
 
 using M = Meaning;
 constexpr MeaningInfo kMeaningInfo[] = {
     {M::unknown, "unknown", 'G', "R", 0, "refused"},
-    {M::rapid, "rapid", 'G', "E", kAxes, "rapid: its end is corrected, never split"},
-    {M::line, "line", 'G', "X", kAxes, "feed in a straight line"},
-    {M::arc_cw, "arc-cw", 'G', "A", kAxes | kCentre | letter_set("RP"), "arc clockwise"},
-    {M::arc_ccw, "arc-ccw", 'G', "A", kAxes | kCentre | letter_set("RP"), "arc counter-clockwise"},
+    {M::rapid, "rapid", 'G', "E", kMoves, "rapid: its end is corrected, never split"},
+    {M::line, "line", 'G', "X", kMoves, "feed in a straight line"},
+    {M::arc_cw, "arc-cw", 'G', "A", kMoves | kCentre | letter_set("RP"), "arc clockwise"},
+    {M::arc_ccw, "arc-ccw", 'G', "A", kMoves | kCentre | letter_set("RP"), "arc counter-clockwise"},
     {M::no_motion, "no-motion", 'G', "P", 0, "ends a cycle or the motion mode"},
     {M::chip_break, "chip-break", 'G', "S", kAxes | letter_set("RLQ"), "drill, breaking chips"},
     {M::tap_left, "tap-left", 'G', "S", kAxes | letter_set("RLP"), "tap a left-hand thread"},
@@ -30,10 +31,10 @@ constexpr MeaningInfo kMeaningInfo[] = {
     {M::bore_dwell, "bore-dwell", 'G', "S", kAxes | letter_set("RLP"), "bore, dwell, feed out"},
     {M::dwell, "dwell", 'G', "P", letter_set("P"), "dwell"},
     {M::set_data, "set-data", 'G', "P X", kAxes | letter_set("LPR"), "sets a work offset"},
-    {M::home, "home", 'G', "P", kAxes, "goes to the reference position"},
-    {M::other_home, "other-home", 'G', "P", kAxes, "goes to a further reference position"},
+    {M::home, "home", 'G', "P", kMoves, "goes to the reference position"},
+    {M::other_home, "other-home", 'G', "P", kMoves, "goes to a further reference position"},
     {M::local_shift, "local-shift", 'G', "X", kAxes, "shifts all work offsets"},
-    {M::machine_coordinates, "machine-coordinates", 'G', "P", kAxes, "this block is in machine coordinates"},
+    {M::machine_coordinates, "machine-coordinates", 'G', "P", kMoves, "this block is in machine coordinates"},
     {M::set_position, "set-position", 'G', "X", kAxes, "the present position gets these coordinates"},
     {M::clear_position, "clear-position", 'G', "P", 0, "clears what set-position made"},
     {M::suspend_position, "suspend-position", 'G', "P", 0, "clears it, but remembers"},

@@ -109,6 +109,7 @@ struct Profile {
   struct Cycles {
     char repeats = 'L';              ///< word that counts holes
     bool dwell_needed = true;        ///< a dwelling cycle must say P
+    bool xy_only = false;            ///< in other planes refused
     bool level_below_r = true;       ///< the height before may lie below R; false: refused
   } cycles;
 
@@ -139,13 +140,6 @@ struct Profile {
   bool home_beside_motion = false;
   bool rapid_straight = true;        ///< rapids go straight; else their path is the control's
   bool arc_centre_switch = true;     ///< arcs may have absolute centres (a code says so)
-
-  /// Tool centre point control, for programs with rotary axes.
-  struct Tcp {
-    std::vector<std::string> on, off;  ///< codes as spelt: "G43.4", "G49"
-    bool table_fixed = false;          ///< the programming frame turns with the table
-    bool arcs = false;                 ///< arcs may be programmed under it
-  } tcp;
 };
 
 /// Spells a code of the table: "G59.1", "M30".

@@ -19,9 +19,9 @@ constexpr int kFixedOffsets = 9;
 
 const std::vector<std::string> kTables{"format",  "title",  "about",   "sources", "extends", "text",
                                        "numbers", "arcs",   "cycles",  "tools",   "start",   "offsets",
-                                       "motion",  "codes",  "order",   "refused", "tcp"};
+                                       "motion",  "codes",  "order",   "refused"};
 /// Codes of refusals a profile may use.
-const std::vector<std::string> kRefusalCodes{"E-GCODE", "E-MCODE", "E-CUTCOM", "E-FRAME", "E-ROTARY", "E-CYCLE"};
+const std::vector<std::string> kRefusalCodes{"E-GCODE", "E-MCODE", "E-CUTCOM", "E-FRAME", "E-TCP", "E-CYCLE"};
 
 /// One table of a profile: what it names is changed, the rest stays.
 class Section {
@@ -291,11 +291,12 @@ void read_arcs(const TomlNode& root, Profile& profile, Findings& findings) {
 }
 
 void read_cycles(const TomlNode& root, Profile& profile, Findings& findings) {
-  const Section section(root, "cycles", {"repeats", "dwell_needed", "level_below_r"}, findings);
+  const Section section(root, "cycles", {"repeats", "dwell_needed", "xy_only", "level_below_r"}, findings);
   bool with_l = profile.cycles.repeats == 'L';
   section.choice("repeats", "L", "K", with_l);
   profile.cycles.repeats = with_l ? 'L' : 'K';
   section.flag("dwell_needed", profile.cycles.dwell_needed);
+  section.flag("xy_only", profile.cycles.xy_only);
   section.flag("level_below_r", profile.cycles.level_below_r);
 }
 
@@ -317,11 +318,6 @@ void read_states(const TomlNode& root, Profile& profile, Findings& findings) {
   const Section motion(root, "motion", {"home_beside_motion", "rapid_straight"}, findings);
   motion.flag("home_beside_motion", profile.home_beside_motion);
   motion.flag("rapid_straight", profile.rapid_straight);
-  const Section tcp(root, "tcp", {"on", "off", "frame", "arcs"}, findings);
-  if (tcp.find("on") != nullptr) profile.tcp.on = tcp.texts("on");
-  if (tcp.find("off") != nullptr) profile.tcp.off = tcp.texts("off");
-  tcp.choice("frame", "table", "fixed", profile.tcp.table_fixed);
-  tcp.flag("arcs", profile.tcp.arcs);
 }
 
 /// What the repeats word and the further offsets bring with them.

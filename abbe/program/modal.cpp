@@ -90,8 +90,9 @@ constexpr int kNumbered = -2;
 
 constexpr std::uint32_t bit(char letter) { return 1u << (letter - 'A'); }
 constexpr std::uint32_t kAxisBits = bit('X') | bit('Y') | bit('Z');
+constexpr std::uint32_t kTurnBits = bit('A') | bit('B') | bit('C');
 constexpr std::uint32_t kCentreBits = bit('I') | bit('J') | bit('K');
-constexpr std::uint32_t kValueBits = kAxisBits | kCentreBits | bit('R') | bit('P') | bit('Q') | bit('L') | bit('F') |
+constexpr std::uint32_t kValueBits = kAxisBits | kTurnBits | kCentreBits | bit('R') | bit('P') | bit('Q') | bit('L') | bit('F') |
                                      bit('S') | bit('T') | bit('H') | bit('D') | bit('E') | bit('N');
 
 void refuse(ProgramFindings& findings, std::uint64_t line, const Block& block, const Word& word, const char* code,
@@ -120,6 +121,16 @@ const CodeUse& use_of(const Profile& profile, const Word& word) {
   return word.letter == 'G' ? profile.g[static_cast<std::size_t>(*code)] : profile.m[static_cast<std::size_t>(*code)];
 }
 
+/// The machine's control switches tool centre point control with this word: its code times ten, 0 and 1 for off and
+/// on; nullptr: it does not.
+const TcpCode* tcp_code(const ModalState& state, const Word& word) {
+  const auto code = scaled(word.value, 10, 10000);
+  for (const TcpCode& known : state.tcp_codes) {
+    if (code && known.letter == word.letter && known.code == *code) return &known;
+  }
+  return nullptr;
+}
+
 /// One block on its way to an Instruction.
 struct Reading {
   const Profile& profile;
@@ -127,6 +138,7 @@ struct Reading {
   std::uint64_t line;
   ProgramFindings& findings;
   Instruction& out;
+  const ModalState& state;
   std::array<bool, kGroups> seen{};
   LetterSet used = letter_set("NFST");  ///< letters that some code of the block uses
   bool dwell_x = false;                 ///< X is the time of a dwell
@@ -156,8 +168,12 @@ struct Reading {
 };
 
 bool Reading::note_g(const Word& word) {
-  const CodeUse& use = use_of(profile, word);
-  if (use.meaning == Meaning::unknown) return refuse_unknown(word, use);
+  static constexpr CodeUse kTcpLength{Meaning::tool_length, false, 0, 0, letter_set("H")};
+  const TcpCode* tcp = tcp_code(state, word);
+  if (tcp != nullptr) out.tcp = tcp->on ? 1 : 0;
+  // G43.4 H applies a tool length like G43
+  const CodeUse& use = tcp != nullptr && tcp->code == 434 ? kTcpLength : use_of(profile, word);
+  if (use.meaning == Meaning::unknown) return tcp != nullptr || refuse_unknown(word, use);
   const Role role = role_of(use.meaning);
   used |= use.words;
   if (role.group == motion && seen[motion] && (role.code == 800 || out.motion == 800)) {
@@ -203,6 +219,10 @@ void Reading::put_in_force(const Role& role, const CodeUse& use) {
 }
 
 bool Reading::note_m(const Word& word) {
+  if (const TcpCode* tcp = tcp_code(state, word)) {
+    out.tcp = tcp->on ? 1 : 0;
+    return true;
+  }
   const CodeUse& use = use_of(profile, word);
   if (use.meaning == Meaning::unknown) return refuse_unknown(word, use);
   used |= use.words;
@@ -218,7 +238,6 @@ bool axis_words_taken(GCode zero_code) {
 }
 
 const char* letter_code(char letter) {
-  if (letter == 'A' || letter == 'B' || letter == 'C') return "E-ROTARY";
   if (letter == 'U' || letter == 'V' || letter == 'W') return "E-AXIS";
   return letter == 'O' ? "E-OWORD" : "E-WORD";
 }
@@ -226,12 +245,9 @@ const char* letter_code(char letter) {
 void refuse_letter(ProgramFindings& findings, std::uint64_t line, const Block& block, const Word& word) {
   const char* code = letter_code(word.letter);
   const std::string_view kind = code;
-  if (kind == "E-ROTARY") {
-    refuse(findings, line, block, word, code, spelled(block, word) + ": rotary words are not compensated",
-           "the correction depends on where the rotary axes stand and how the control turns them", "compensate three-axis programs only");
-  } else if (kind == "E-AXIS") {
-    refuse(findings, line, block, word, code, spelled(block, word) + ": only X Y Z are compensated",
-           "a further axis moves the tool in a way that is not followed", "post for X Y Z");
+  if (kind == "E-AXIS") {
+    refuse(findings, line, block, word, code, spelled(block, word) + ": only X Y Z and A B C are compensated",
+           "a further axis moves the tool in a way that is not followed", "post for X Y Z and A B C");
   } else if (kind == "E-OWORD") {
     refuse(findings, line, block, word, code, spelled(block, word) + ": subprograms and flow control are not followed",
            "where the axes go depends on how the program runs", "post the program without loops and calls");
@@ -332,12 +348,13 @@ bool read_instruction(const Profile& profile, const Block& block, const ModalSta
   out = Instruction{};
   out.word.fill(-1);
   if (is_plain_line(block, state, out)) return true;
-  Reading reading{profile, block, line, findings, out};
+  Reading reading{profile, block, line, findings, out, state};
   if (!sort_words(reading) || !number_work_offset(reading)) return false;
   LetterSet present = 0;
   for (std::size_t i = 0; i < out.word.size(); ++i) present |= out.word[i] >= 0 ? LetterSet{1} << i : 0;
   out.after = out.after || out.exact_stop;
-  out.moves_axes = (present & kAxisBits) != 0;
+  out.turns_axes = (present & kTurnBits) != 0;
+  out.moves_axes = out.turns_axes || (present & kAxisBits) != 0;
   const bool beside_motion = profile.home_beside_motion && (out.zero == 280 || out.zero == 300);
   const bool taken = axis_words_taken(out.zero) || out.tool_length == 431 || reading.dwell_x || out.rotation == 1;
   const auto whole_block = [&](const char* code, std::string message, const char* why, const char* fix) {

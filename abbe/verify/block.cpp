@@ -250,7 +250,7 @@ class Scanner {
       if (letter >= 26 || (kPlainLetters & ~words & (Letters{1} << letter)) == 0) break;
       double number = 0;
       int decimals = 0;
-      const char* next = read_plain_decimal(p + 1, end, number, decimals);
+      const char* next = read_plain_decimal(begin, p + 1, end, number, decimals);
       if (next == nullptr) break;
       if (next != end && *next == ' ') ++next;
       const bool ends = next == end || static_cast<unsigned>(*next) - 'A' < 26;
