@@ -331,7 +331,10 @@ void complete(Profile& profile) {
     if (cycle && profile.cycles.repeats == 'K') use.words = (use.words & ~letter_set("L")) | letter_set("K");
     profile.letters |= use.words;
   }
-  for (const CodeUse& use : profile.m) profile.letters |= use.words;
+  for (CodeUse& use : profile.m) {
+    use.after = use.after || use.meaning == Meaning::stop || use.meaning == Meaning::end;
+    profile.letters |= use.words;
+  }
 }
 
 void apply(const TomlNode& root, Profile& profile, Findings& findings) {

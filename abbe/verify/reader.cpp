@@ -51,12 +51,12 @@ struct ProgramReader::State {
           motion_given = true;
           if (control.motion() != nullptr) return Item::motion;
         }
-        has_block = false;
-        in_tail = control.ended();
-        if (control.after() != nullptr) {
-          current = control.after();
+        if (const auto after = control.after(); after_index < after.size()) {
+          current = &after[after_index++];
           return Item::event;
         }
+        has_block = false;
+        in_tail = control.ended();
       }
       if (at_end) return Item::end;
       read_line();
@@ -83,12 +83,12 @@ struct ProgramReader::State {
     if (first == std::string_view::npos) return;
     const bool may_delimit = first_line || delimited;
     first_line = false;
-    if (text[first] == '%' && may_delimit && trimmed(text) == "%") {
+    if (text[first] == '%' && control.profile().text.percent && may_delimit && trimmed(text) == "%") {
       in_tail = delimited;
       delimited = true;
       return report(EventKind::delimiter);
     }
-    if (text[first] == '/') {
+    if (text[first] == '/' && control.profile().text.skip != Profile::Skip::ignored) {
       deletable = saw_deletable = true;
       if (options.skip_deletable) {
         at_top = false;
@@ -106,15 +106,16 @@ struct ProgramReader::State {
                kMaxBlockLength + 1,
                1,
                "the line is far too long",
-               "LinuxCNC stops at longer lines",
+               "controls stop at longer lines",
                "shorten the line"};
       return refuse(fault);
     }
     std::string_view words = text;
-    const bool numbered =
-        first_block && (text[first] == 'O' || text[first] == 'o') && program_number(first, words);
-    const bool readable = read_block(words, block, fault);
-    const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0;
+    const Profile::Text& rules = control.profile().text;
+    const bool names = (rules.program_number && (text[first] == 'O' || text[first] == 'o')) || (rules.colon && text[first] == ':');
+    const bool numbered = first_block && names && program_number(first, words);
+    const bool readable = read_block(words, control.profile(), block, fault);
+    const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0 || block.extra_count != 0;
     if (numbered && says_something) {
       fault = {"E-OWORD",
                first + 1,
@@ -133,7 +134,7 @@ struct ProgramReader::State {
     if (!control.execute(block, fault)) return refuse(fault);
     has_block = true;
     motion_given = false;
-    event_index = 0;
+    event_index = after_index = 0;
   }
 
   /// Takes "O1234" from the front of the first block and reports it; what follows may be comments.
@@ -191,7 +192,7 @@ struct ProgramReader::State {
   Event single;  ///< what the current line says besides its block
   bool has_single = false;
   bool has_block = false;  ///< the block in `control` is being handed out
-  std::size_t event_index = 0;
+  std::size_t event_index = 0, after_index = 0;
   bool motion_given = false;
   const Event* current = nullptr;
 
@@ -232,6 +233,7 @@ bool ProgramReader::saw_deletable() const { return state_->saw_deletable; }
 const Frames& ProgramReader::frames() const { return state_->control.frames(); }
 std::optional<int> ProgramReader::tool() const { return state_->control.tool(); }
 bool ProgramReader::inch() const { return state_->control.inch(); }
+const Profile& ProgramReader::profile() const { return state_->control.profile(); }
 LineReader& ProgramReader::file() { return state_->lines; }
 
 }  // namespace abbe::verifying
