@@ -16,7 +16,7 @@ bool refuse(Fault& fault, std::size_t column, std::size_t length, const char* co
 }
 
 constexpr Letters kValueLetters =
-    letters('N', 'T', 'S', 'F', 'D', 'H', 'L', 'P', 'Q', 'R', 'X', 'Y', 'Z', 'I', 'J', 'K');
+    letters('N', 'T', 'S', 'F', 'D', 'H', 'L', 'P', 'Q', 'R', 'X', 'Y', 'Z', 'I', 'J', 'K', 'A', 'B', 'C');
 
 constexpr Letters kPlainLetters = kValueLetters & ~letters('N');
 
@@ -127,8 +127,9 @@ Decimal read_spaced_decimal(std::string_view text) {
 
 class Scanner {
  public:
-  Scanner(std::string_view line, const Profile& profile, Block& block, Fault& fault)
-      : line_(line), profile_(profile), block_(block), fault_(fault) {}
+  Scanner(std::string_view line, const Profile& profile, Block& block, Fault& fault,
+          std::span<const TcpCode> tcp_codes)
+      : line_(line), profile_(profile), block_(block), fault_(fault), tcp_codes_(tcp_codes) {}
 
   bool scan() {
     skip_blanks();
@@ -294,7 +295,11 @@ class Scanner {
     static constexpr CodeUse kUnknown{};
     int number = -1;
     const bool is_code = whole(value * 10, number) && number >= 0 && number < static_cast<int>(Profile::kGCodes);
-    const CodeUse& use = is_code ? profile_.g[static_cast<std::size_t>(number)] : kUnknown;
+    const bool switches = tcp_switch('G', number);
+    static constexpr CodeUse kTcpLength{Meaning::tool_length, false, 0, 0, letters('H')};
+    // G43.4 H applies the tool length as G43 does
+    const CodeUse& use = switches && number == 434 ? kTcpLength : is_code ? profile_.g[static_cast<std::size_t>(number)] : kUnknown;
+    if (switches && use.meaning == Meaning::unknown) return true;
     const Seat seat = seat_of(use.meaning);
     if (seat.group == kNoGroup) return extra('G', use, number, column);
     if (seat.group < 0) return refuse_code('G', value, use, column);
@@ -317,10 +322,23 @@ class Scanner {
     return true;
   }
 
+  /// Notes a code that switches tool centre point control; false: it is none.
+  bool tcp_switch(char letter, int code) {
+    for (const TcpCode& known : tcp_codes_) {
+      if (known.letter != letter || known.code != code) continue;
+      block_.tcp_letter = letter;
+      block_.tcp_code = code;
+      block_.tcp = known.on;
+      return true;
+    }
+    return false;
+  }
+
   bool m_word(double value, std::size_t column) {
     static constexpr CodeUse kUnknown{};
     int number = -1;
     const bool is_code = whole(value, number) && number >= 0 && number < static_cast<int>(Profile::kMCodes);
+    if (tcp_switch('M', 10 * number)) return true;
     const CodeUse& use = is_code ? profile_.m[static_cast<std::size_t>(number)] : kUnknown;
     const Seat seat = seat_of(use.meaning);
     if (seat.group == kNoGroup) return extra('M', use, number, column);
@@ -343,13 +361,9 @@ class Scanner {
     const std::size_t length = at_ + 1 - column;
     const Letters bit = letter_bit(letter);
     if (((kValueLetters | (profile_.letters & letter_bit('E'))) & bit) == 0) {
-      if (letter == 'A' || letter == 'B' || letter == 'C')
-        return refuse(fault_, column, length, "E-ROTARY", fmt::format("rotary word {}", letter),
-                      "programs with rotary motion are not compensated",
-                      "compensate the 3-axis parts of the program apart");
       if (letter == 'U' || letter == 'V' || letter == 'W')
         return refuse(fault_, column, length, "E-AXIS", fmt::format("secondary axis word {}", letter),
-                      "only X Y Z are compensated in programs", "program with X Y Z only");
+                      "only X Y Z and A B C are compensated in programs", "program without it");
       return refuse(fault_, column, length, "E-WORD", fmt::format("word {} is not understood", letter),
                     "an unknown word may change what the block does", "remove it");
     }
@@ -369,6 +383,7 @@ class Scanner {
   const Profile& profile_;
   Block& block_;
   Fault& fault_;
+  std::span<const TcpCode> tcp_codes_;
   std::size_t at_ = 0;
 };
 
@@ -387,19 +402,21 @@ Letters words_without_point(std::string_view line, const Block& block) {
 
 }  // namespace
 
-bool read_block(std::string_view line, const Profile& profile, Block& block, Fault& fault) {
+bool read_block(std::string_view line, const Profile& profile, Block& block, Fault& fault,
+                std::span<const TcpCode> tcp_codes) {
   block.words = 0;
   block.g_groups = 0;
   block.m_groups = block.m_after = 0;
   block.extra_count = 0;
   block.pointless = 0;
+  block.tcp_code = -1;
   block.deletable = false;
   block.comment_count = 0;
   if (line.size() > kMaxBlockLength)
     return refuse(fault, kMaxBlockLength + 1, 1, "E-LINELEN",
                   fmt::format("the line has {} bytes, the control reads {}", line.size(), kMaxBlockLength),
                   "controls stop at longer lines", "shorten the line");
-  if (!Scanner(line, profile, block, fault).scan()) return false;
+  if (!Scanner(line, profile, block, fault, tcp_codes).scan()) return false;
   const bool words = block.words != 0 || block.g_groups != 0 || block.m_groups != 0;
   if (words && line.size() > profile.text.block_bytes)
     return refuse(fault, profile.text.block_bytes + 1, 1, "E-LINELEN",

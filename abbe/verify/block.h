@@ -3,9 +3,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
+#include "abbe/machine/control_model.h"
 #include "abbe/machine/profile.h"
 
 namespace abbe::verifying {
@@ -63,6 +65,9 @@ struct Block {
   int extra_count = 0;
   std::array<Extra, kMaxExtras> extras;
   Letters pointless = 0;  ///< words whose number has no point, where that matters
+  int tcp_code = -1;       ///< 10 times the number of a code that switches tool centre point control
+  char tcp_letter = 'G';
+  bool tcp = false;        ///< on or off
   bool deletable = false;  ///< starts with '/'
   int comment_count = 0;
   std::array<std::string_view, kMaxComments> comments;  ///< with their delimiters
@@ -81,12 +86,14 @@ struct Block {
   }
 };
 
-/// Splits one line (without its end of line) into words, as the control of the profile does. Every byte is part of a known word, a comment or
-/// blank, or the block is refused.
-/// errors   false with `fault` filled: E-CHAR E-COMMENT E-LINELEN E-OWORD E-EXPR E-NUMBER E-WORD E-ROTARY
+/// Splits one line (without its end of line) into words, as the control of the profile does. Every byte is part
+/// of a known word, a comment or blank, or the block is refused.
+/// errors   false with `fault` filled: E-CHAR E-COMMENT E-LINELEN E-OWORD E-EXPR E-NUMBER E-WORD
 /// E-AXIS
 ///          E-GCODE E-MCODE E-CUTCOM E-BLOCK
 /// cost     about 10 ns per word, no allocation unless refused
-[[nodiscard]] bool read_block(std::string_view line, const Profile& profile, Block& block, Fault& fault);
+/// `tcp_codes`: codes of this control that switch tool centre point control.
+[[nodiscard]] bool read_block(std::string_view line, const Profile& profile, Block& block, Fault& fault,
+                              std::span<const TcpCode> tcp_codes = {});
 
 }  // namespace abbe::verifying

@@ -25,7 +25,7 @@ Vec3 turned(const Frames& frames, const Vec3& u, double angle) {
 
 Frames frames_of(const ControlSetup& setup, const Profile& profile) {
   const auto known = [](const WorkOffset& given) {
-    return Frames::System{Vec3(given.origin[0], given.origin[1], given.origin[2]), given.rotation, kAllAxes};
+    return Frames::System{Vec3(given.origin[0], given.origin[1], given.origin[2]), given.rotation, kAllAxes, given.turns};
   };
   Frames frames;
   for (const auto& given : setup.work_offsets) frames.systems.push_back(given ? known(*given) : Frames::System{});

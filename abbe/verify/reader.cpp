@@ -31,7 +31,7 @@ bool is_header_comment(std::string_view comment) {
 
 struct ProgramReader::State {
   State(LineReader reader, std::string file_name, const ControlSetup& setup, const Options& choice)
-      : lines(std::move(reader)), name(std::move(file_name)), options(choice), control(setup) {}
+      : lines(std::move(reader)), name(std::move(file_name)), options(choice), control(setup, choice.rotary) {}
 
   Item next() {
     while (!refused) {
@@ -114,8 +114,9 @@ struct ProgramReader::State {
     const Profile::Text& rules = control.profile().text;
     const bool names = (rules.program_number && (text[first] == 'O' || text[first] == 'o')) || (rules.colon && text[first] == ':');
     const bool numbered = first_block && names && program_number(first, words);
-    const bool readable = read_block(words, control.profile(), block, fault);
-    const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0 || block.extra_count != 0;
+    const auto codes = options.rotary != nullptr ? options.rotary->codes() : std::span<const TcpCode>{};
+    const bool readable = read_block(words, control.profile(), block, fault, codes);
+    const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0 || block.extra_count != 0 || block.tcp_code >= 0;
     if (numbered && says_something) {
       fault = {"E-OWORD",
                first + 1,
@@ -232,6 +233,8 @@ bool ProgramReader::deletable() const { return state_->deletable; }
 bool ProgramReader::saw_deletable() const { return state_->saw_deletable; }
 const Frames& ProgramReader::frames() const { return state_->control.frames(); }
 std::optional<int> ProgramReader::tool() const { return state_->control.tool(); }
+const Turns& ProgramReader::turns() const { return state_->control.turns(); }
+bool ProgramReader::tcp() const { return state_->control.tcp(); }
 bool ProgramReader::inch() const { return state_->control.inch(); }
 const Profile& ProgramReader::profile() const { return state_->control.profile(); }
 LineReader& ProgramReader::file() { return state_->lines; }
