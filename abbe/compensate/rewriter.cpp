@@ -15,7 +15,7 @@ constexpr std::string_view kMark = "ABBE COMPENSATED";
 // Our mark stands in the header, never deeper.
 constexpr std::uint64_t kMarkLines = 40;
 // Half a digit, mm: finer ones need no allowance of their own.
-constexpr double kFineDigits = 0.1 * um;
+constexpr double kFineDigits = 0.2 * um;
 
 }  // namespace
 
@@ -35,10 +35,6 @@ Rewriter::Rewriter(const Plan& plan, const AddressedAxes& axes, const RewriteJob
     known_ |= 1u << k;
     in_.m[static_cast<Eigen::Index>(k)] = out_.m[static_cast<Eigen::Index>(k)] = *job.setup.start[k];
   }
-  // Words of the control's increment: both ends and the centre of an arc are rounded. Finer digits are within
-  // the tolerance.
-  const double half_increment = 0.5 * std::pow(10.0, -profile_.numbers.decimals_mm);
-  if (half_increment > kFineDigits) digit_room_ = 2 * std::numbers::sqrt2 * half_increment;
   stand(in_.turns, out_.turns);
   change_tool(job.setup.loaded_tool);
 }
@@ -70,12 +66,31 @@ double Rewriter::half_digit(int decimals) const {
   return kHalf[static_cast<std::size_t>(std::min(decimals, 9))] * (1 + 1e-6);
 }
 
+/// How far words rounded to the control's increment may take an arc from its places: its ends and its centre are
+/// rounded. Finer digits are within the tolerance.
+double Rewriter::digit_room() const {
+  const double half = half_digit(decimals_of(nullptr)) * modal_.unit();
+  return half > kFineDigits ? 2 * std::numbers::sqrt2 * half : 0;
+}
+
 void Rewriter::end_line(std::string& out, std::size_t begin) {
-  if (out.size() - begin > profile_.text.block_bytes) {
-    refuse_block("E-LINELEN", fmt::format("the compensated block would have {} bytes, {} is the limit", out.size() - begin, profile_.text.block_bytes),
-                 "the control refuses longer lines", "shorten the comment, or break the block into two");
-  }
+  check_length(out.size() - begin);
   out += eol_;
+  ++report_.lines_out;
+}
+
+void Rewriter::check_length(std::size_t bytes) {
+  if (bytes <= profile_.text.block_bytes) return;
+  refuse_block("E-LINELEN", fmt::format("the compensated block would have {} bytes, {} is the limit", bytes, profile_.text.block_bytes),
+               "the control refuses longer lines", "shorten the comment, or break the block into two");
+}
+
+void Rewriter::add_block(std::string_view words, std::string_view eol, std::string& tail) {
+  const std::size_t begin = tail.size();
+  tail += block_.slash_text();
+  tail += words.substr(block_.slash ? 0 : 1);
+  check_length(tail.size() - begin);
+  tail += eol;
   ++report_.lines_out;
 }
 
@@ -191,7 +206,7 @@ void Rewriter::execute(std::string& out) {
       if (edit_.changed()) ++report_.blocks.rewritten;
     }
   }
-  if (instruction_.smooths && !smoothing_said_) {
+  if (!smoothing_said_ && smooths_more_than_tolerance()) {
     smoothing_said_ = true;
     warn("W-SMOOTH", "the control's own smoothing is switched here: it is not modelled", "it may move the tool within its tolerance, after the correction",
          "set that tolerance well below the one of the compensation");

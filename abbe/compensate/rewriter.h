@@ -67,12 +67,16 @@ class Rewriter {
   bool read_text_rules();
   bool settle_numbers();
   bool may_move();
+  [[nodiscard]] bool smooths_more_than_tolerance() const;
   void pass(std::string& out);
   void write_header(std::string& out);
   void refuse(const Word& word, const char* code, std::string message, const char* why, const char* fix);
   void refuse_block(const char* code, std::string message, const char* why, const char* fix);
   void warn(const char* code, std::string message, const char* why, const char* fix);
   void end_line(std::string& out, std::size_t begin);
+  void check_length(std::size_t bytes);
+  /// A block of its own behind the one that is split: " X1.5 Y2.", with the block delete of the original.
+  void add_block(std::string_view words, std::string_view eol, std::string& tail);
 
   // rewriter_setting.cpp: tools and frames
   bool settings();
@@ -181,6 +185,7 @@ class Rewriter {
   double write_holes(const Holes& holes, const Vec3& shift, std::string& out, Vec3& p_out);
 
   [[nodiscard]] int decimals_of(const Word* word) const;
+  [[nodiscard]] double digit_room() const;
   [[nodiscard]] double half_digit(int decimals) const;  ///< program units
   [[nodiscard]] const Word* axis_word(int axis) const { return instruction_.find(block_, "XYZ"[axis]); }
 
@@ -192,7 +197,6 @@ class Rewriter {
   CorrectionField field_;
   ProgramFindings findings_;
   double interpolation_;          ///< mm
-  double digit_room_ = 0;         ///< mm: how far rounded words may take an arc from its places
   double short_enough_ = 0;       ///< mm: a move up to this length is not looked into
   bool angular_;
 

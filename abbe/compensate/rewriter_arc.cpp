@@ -142,7 +142,7 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
     if (!arc || std::abs(arc->sweep - part.sweep) > kSweepSlack) return false;
     const double mismatch = std::abs(arc->r1 - arc->r0), spiral = std::abs(part.r1 - part.r0);
     if (mismatch > spiral + profile_.arcs.tolerance / 2) return false;
-    return distance_to(*arc, targets_) <= interpolation_ + digit_room_;
+    return distance_to(*arc, targets_) <= interpolation_ + digit_room();
   };
   piece.keeps_radius = false;
   if (r && whole) {
@@ -305,10 +305,7 @@ bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
   const std::string_view inner_eol = file_eol_.empty() ? std::string_view("\n") : std::string_view(file_eol_);
   const auto end_block = [&](bool last) {
     if (blocks++ == 0) return;
-    tail += block_.slash_text();
-    tail += extra.substr(block_.slash ? 0 : 1);
-    tail += last ? eol_ : inner_eol;
-    ++report_.lines_out;
+    add_block(extra, last ? eol_ : inner_eol, tail);
   };
   for (const Stretch& stretch : stretches_) {
     approach_ = stretch.approach;

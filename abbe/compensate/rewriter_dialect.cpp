@@ -84,6 +84,17 @@ bool Rewriter::settle_numbers() {
   return good;
 }
 
+// A smoothing that says no tolerance may be any; G64 P Q state theirs.
+bool Rewriter::smooths_more_than_tolerance() const {
+  if (instruction_.smooths) return true;
+  if (!instruction_.path_control) return false;
+  for (const char letter : {'P', 'Q'}) {
+    const Word* word = instruction_.find(block_, letter);
+    if (word != nullptr && word->value * modal_.unit() > job_.tolerance) return true;
+  }
+  return false;
+}
+
 // False: this motion depends on what the program has not said.
 bool Rewriter::may_move() {
   const bool in_work = instruction_.moves_axes || is_arc(instruction_.motion);
@@ -93,6 +104,10 @@ bool Rewriter::may_move() {
                  "what the control does depends on what ran before",
                  units ? "write G21 or G20 at the top, or give --units" : "write G90 at the top, or state start.distance in a profile of your own");
     modal_.units_stated = modal_.distance_stated = true;  // said once
+    return false;
+  }
+  if (instruction_.tool_change && !profile_.tools.change_first) {
+    refuse_block("E-AUX", "a tool change and a motion in one block", "whether the machine moves before or after it depends on its builder", "split the block");
     return false;
   }
   if (offset_doubtful_ && axis_word(2) != nullptr && instruction_.zero != 530 && in_.frames.tool_offset() != Vec3::Zero()) {

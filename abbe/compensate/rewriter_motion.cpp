@@ -313,10 +313,7 @@ void Rewriter::write_pieces(const Move& move, const std::vector<Piece>& pieces, 
     if (!last && first) stops_to_last(true, nullptr);
     if (!first && last) stops_to_last(false, &extra);
     if (first || extra.empty()) continue;  // empty: the rounded end is where the last piece went
-    tail += block_.slash_text();
-    tail += extra.substr(block_.slash ? 0 : 1);
-    tail += last ? eol_ : inner_eol;
-    ++report_.lines_out;
+    add_block(extra, last ? eol_ : inner_eol, tail);
     const double part = (piece.s1 - piece.s0) * length;
     if (report_.shortest_split == 0 || part < report_.shortest_split) report_.shortest_split = part;
   }

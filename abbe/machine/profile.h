@@ -117,6 +117,7 @@ struct Profile {
     bool h_needed = false;           ///< G43 without H is refused; false: the tool in the spindle
     bool z_only = false;             ///< the table's X and Y offsets do not act
     bool moves = false;              ///< the control may move when an offset changes without a Z word, or not
+    bool change_first = true;        ///< M6 beside a motion comes before it; false: refused
     bool home_cancels = false;       ///< after a reference return or G53 the offset may be gone
   } tools;
 

@@ -301,10 +301,11 @@ void read_cycles(const TomlNode& root, Profile& profile, Findings& findings) {
 }
 
 void read_states(const TomlNode& root, Profile& profile, Findings& findings) {
-  const Section tools(root, "tools", {"h_needed", "z_only", "moves", "home_cancels"}, findings);
+  const Section tools(root, "tools", {"h_needed", "z_only", "moves", "change_first", "home_cancels"}, findings);
   tools.flag("h_needed", profile.tools.h_needed);
   tools.flag("z_only", profile.tools.z_only);
   tools.flag("moves", profile.tools.moves);
+  tools.flag("change_first", profile.tools.change_first);
   tools.flag("home_cancels", profile.tools.home_cancels);
   const Section start(root, "start", {"units", "distance", "retract"}, findings);
   start.choice("units", {"mm", "inch", "stated"}, profile.start.units);

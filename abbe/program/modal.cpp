@@ -210,6 +210,7 @@ void Reading::put_in_force(const Role& role, const CodeUse& use) {
     case retract: out.retract = role.code; break;
     case wcs: out.wcs = use.meaning == Meaning::work_offset ? use.number - 1 : kNumbered; break;
     case rotation: out.rotation = role.code; break;
+    case path: out.path_control = true; break;
     case loose:
       out.smooths = out.smooths || use.meaning == Meaning::smoothing;
       out.exact_stop = out.exact_stop || use.meaning == Meaning::exact_stop_once;

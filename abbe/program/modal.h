@@ -59,6 +59,7 @@ struct Instruction {
   GCode tool_length = -1, plane = -1, units = -1, distance = -1, arc_distance = -1, feed_mode = -1, retract = -1;
   int rotation = -1;           ///< 1: a programmed rotation begins (G68), 0: it ends
   LetterSet motion_words = 0;
+  bool path_control = false;   ///< G61, G64
   bool smooths = false;        ///< a smoothing that is not modelled is switched
   bool exact_stop = false;     ///< G9
   bool tool_change = false;    ///< M6
