@@ -64,6 +64,18 @@ TEST(Dialects, CountersAndZerosNeedNoPoint) {
   EXPECT_TRUE(result.report.complete) << result.findings();
 }
 
+TEST(Dialects, HolesInIncrementsKeepTheirLevels) {
+  // Z goes 1 um too far per mm of X: R and Z follow the correction in both modes.
+  const Machine leaning = three_axes({{"EZX", poly(0, {0, 1e-4})}});
+  const auto result = rewrite(leaning, "G21 G90 G0 X0 Y0 Z10.\nG98 G81 X0. Z-5. R2. F100\nG91 X20. K1\nG90 X40.\nG80\nM30\n", job_for("fanuc"));
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_THAT(result.text, HasSubstr("G91 X20. K1 R-8.002 Z-7.000\n")) << result.text;
+  EXPECT_THAT(result.text, HasSubstr("G90 X40. R1.996 Z-5.004\n")) << result.text;
+  // LinuxCNC reads the numbers anew: R2 above the height before
+  EXPECT_TRUE(rewrite(leaning, "G0 X0 Y0 Z10\nG98 G81 X0 Z-5 R2 F100\nG91 X20 L1\nG80\nM2\n").report.complete);
+  EXPECT_TRUE(rewrite(leaning, "G0 X0 Y0 Z10\nG98 G81 X0 Z-5 R2 F100\nG91 X20 L1\nG80\nM2\n", job_for("grblhal")).has("E-CYCLE"));
+}
+
 TEST(Dialects, WhatTheControlDoesNotResolveIsRefused) {
   EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G0 X1.2345 Y0 Z0\nM30\n", job_for("fanuc")).has("E-DIGITS"));
   EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G0 X1.2340 Y0 Z0\nM30\n", job_for("fanuc")).report.complete);

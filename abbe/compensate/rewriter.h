@@ -181,7 +181,9 @@ class Rewriter {
     [[nodiscard]] Vec3 last() const { return first + (count - 1) * step; }
   };
   bool read_holes(Holes& holes);
+  bool keep_depth(int n);
   bool shift_of(const Holes& holes, Vec3& shift);
+  [[nodiscard]] bool keeps_levels() const { return profile_.cycles.sticky == Profile::Sticky::levels; }
   double write_holes(const Holes& holes, const Vec3& shift, std::string& out, Vec3& p_out);
 
   [[nodiscard]] int decimals_of(const Word* word) const;
@@ -235,6 +237,7 @@ class Rewriter {
     bool refused = false;         ///< said once, not for every hole
     double r = 0, z = 0;          ///< sticky words of the original, program units
     double r_out = 0, z_out = 0;  ///< of the output
+    bool incremental = false;     ///< in which mode they were written
   } cycle_;
 
   std::vector<MoveSample> samples_;

@@ -50,8 +50,6 @@ bool Rewriter::read_holes(Holes& holes) {
   holes.n = plane_axes(modal_.plane)[2];
   const GCode code = instruction_.motion;
   const double unit = modal_.unit();
-  const Word* wr = instruction_.find(block_, 'R');
-  const Word* wz = axis_word(holes.n);
   const Word* wl = instruction_.find(block_, profile_.cycles.repeats);
   const auto bad = [&](const char* what, const char* why, const char* fix) {
     refuse_block("E-CYCLE", what, why, fix);
@@ -68,11 +66,8 @@ bool Rewriter::read_holes(Holes& holes) {
     cycle_.code = code;
   }
   if (cycle_.refused) return false;  // its first block was: one cause, one finding
-  if (wr) cycle_.r = wr->value;
-  if (wz) cycle_.z = wz->value;
-  cycle_.has_r = cycle_.has_r || wr;
-  cycle_.has_z = cycle_.has_z || wz;
   cycle_.refused = true;  // until it has been understood
+  if (!keep_depth(holes.n)) return false;
   if (profile_.cycles.xy_only && modal_.plane != Plane::xy) {
     return bad("a cycle outside the XY plane", "which axis it drills along depends on the control's parameters", "drill in G17");
   }
@@ -97,8 +92,9 @@ bool Rewriter::read_holes(Holes& holes) {
   const double repeats = wl ? wl->value : 1;
   if (repeats < 1 || repeats > 9999 || repeats != std::floor(repeats)) return bad("the repeats of a cycle are a number from 1 to 9999", "the holes are not defined", "correct the word");
   holes.count = modal_.incremental ? static_cast<int>(repeats) : 1;
-  holes.r = cycle_.r * unit + (modal_.incremental ? in_.cycle_level : 0.0);
-  holes.z = cycle_.z * unit + (modal_.incremental ? holes.r : 0.0);
+  const bool relative = modal_.incremental && !keeps_levels();
+  holes.r = cycle_.r * unit + (relative ? in_.cycle_level : 0.0);
+  holes.z = cycle_.z * unit + (relative ? holes.r : 0.0);
   if (!profile_.cycles.level_below_r && in_.cycle_level < holes.r) {
     return bad("the cycle begins below its R level", "controls differ in where it ends then", "go above R before");
   }
@@ -110,6 +106,30 @@ bool Rewriter::read_holes(Holes& holes) {
     if (modal_.incremental) holes.step[k] = word->value * unit;
     holes.first[k] = word->value * unit + (modal_.incremental ? p[k] : 0.0);
   }
+  return true;
+}
+
+// Takes R and the bottom of the block into the sequence, as numbers or as the levels they make.
+bool Rewriter::keep_depth(int n) {
+  const Word* wr = instruction_.find(block_, 'R');
+  const Word* wz = axis_word(n);
+  const bool levels = keeps_levels();
+  const bool same_mode = profile_.cycles.sticky == Profile::Sticky::same_mode;
+  const bool begun = cycle_.has_r && cycle_.has_z;
+  if (levels && begun && modal_.incremental && (wr == nullptr) != (wz == nullptr)) {
+    refuse_block("E-CYCLE", "R or the bottom alone in G91", "whether the other one moves with it is not sure", "give both");
+    return false;
+  }
+  if (same_mode && begun && modal_.incremental != cycle_.incremental && (!wr || !wz)) {
+    refuse_block("E-CYCLE", "G90 and G91 change inside a sequence of cycles", "what R and Z mean then is not sure", "give R and Z again");
+    return false;
+  }
+  const double base = levels && modal_.incremental ? 1.0 : 0.0;
+  if (wr) cycle_.r = wr->value + base * in_.cycle_level / modal_.unit();
+  if (wz) cycle_.z = wz->value + base * cycle_.r;
+  if (wr || wz) cycle_.incremental = modal_.incremental;
+  cycle_.has_r = cycle_.has_r || wr;
+  cycle_.has_z = cycle_.has_z || wz;
   return true;
 }
 
@@ -156,16 +176,25 @@ double Rewriter::write_holes(const Holes& holes, const Vec3& shift, std::string&
   // X and Y like any other move; the hole's depth words apart
   const Vec3 from = p_out;
   command(holes.first + shift, true, p_out, nullptr, 1u << holes.n);
-  const auto depth_word = [&](const Word* word, char letter, double wanted, double present) {
-    const Value value = value_for(wanted, word, present, decimals_of(word));
-    return value.written ? put(letter, word, value.number, decimals_of(word), true, nullptr) : value.number;
-  };
   // R, then the bottom measured from R where increments are programmed
+  const Word* wr = instruction_.find(block_, 'R');
+  const Word* wz = axis_word(holes.n);
   const double r_base = modal_.incremental ? out_.cycle_level : 0.0;
-  cycle_.r_out = depth_word(instruction_.find(block_, 'R'), 'R', (holes.r + shift[holes.n] - r_base) / unit, cycle_.r_out);
-  const double r_out = r_base + cycle_.r_out * unit;
-  const double z_base = modal_.incremental ? r_out : 0.0;
-  cycle_.z_out = depth_word(axis_word(holes.n), "XYZ"[holes.n], (holes.z + shift[holes.n] - z_base) / unit, cycle_.z_out);
+  const bool levels = keeps_levels();
+  Value r = value_for((holes.r + shift[holes.n] - r_base) / unit, wr, cycle_.r_out - (levels ? r_base / unit : 0.0), decimals_of(wr));
+  const auto bottom = [&](double r_level) {
+    const double z_base = modal_.incremental ? r_level : 0.0;
+    return value_for((holes.z + shift[holes.n] - z_base) / unit, wz, cycle_.z_out - (levels ? z_base / unit : 0.0), decimals_of(wz));
+  };
+  // Where levels are kept, increments are given together.
+  if (levels && modal_.incremental && !wr && bottom(r_base + r.number * unit).written) r.written = true;
+  if (r.written) r.number = put('R', wr, r.number, decimals_of(wr), true, nullptr);
+  const double r_out = r_base + r.number * unit, z_base = modal_.incremental ? r_out : 0.0;
+  Value z = bottom(r_out);
+  if (levels && modal_.incremental && !wz && r.written) z.written = true;
+  if (z.written) z.number = put("XYZ"[holes.n], wz, z.number, decimals_of(wz), true, nullptr);
+  cycle_.r_out = r.number + (levels ? r_base / unit : 0.0);
+  cycle_.z_out = z.number + (levels ? z_base / unit : 0.0);
 
   const std::size_t begin = out.size();
   edit_.append_to(out);

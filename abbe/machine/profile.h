@@ -106,7 +106,11 @@ struct Profile {
     bool turns = true;               ///< P = number of turns
   } arcs;
 
+  /// What R and the bottom of a cycle are for later holes: the numbers as written, read anew in G90 and G91; the
+  /// levels they made; or not to be used in the other mode (refused).
+  enum class Sticky : std::uint8_t { numbers, levels, same_mode };
   struct Cycles {
+    Sticky sticky = Sticky::numbers;
     char repeats = 'L';              ///< word that counts holes
     bool dwell_needed = true;        ///< a dwelling cycle must say P
     bool xy_only = false;            ///< in other planes refused

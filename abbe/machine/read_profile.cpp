@@ -291,10 +291,11 @@ void read_arcs(const TomlNode& root, Profile& profile, Findings& findings) {
 }
 
 void read_cycles(const TomlNode& root, Profile& profile, Findings& findings) {
-  const Section section(root, "cycles", {"repeats", "dwell_needed", "xy_only", "level_below_r"}, findings);
+  const Section section(root, "cycles", {"repeats", "sticky", "dwell_needed", "xy_only", "level_below_r"}, findings);
   bool with_l = profile.cycles.repeats == 'L';
   section.choice("repeats", "L", "K", with_l);
   profile.cycles.repeats = with_l ? 'L' : 'K';
+  section.choice("sticky", {"numbers", "levels", "same_mode"}, profile.cycles.sticky);
   section.flag("dwell_needed", profile.cycles.dwell_needed);
   section.flag("xy_only", profile.cycles.xy_only);
   section.flag("level_below_r", profile.cycles.level_below_r);

@@ -285,8 +285,14 @@ bool Control::canned_cycle() {
   // retracts to and what R adds to in G91; it is a number of the program, whatever frame it meets.
   const Vec3 start = u_.at;
   double old = *cycle_level_ + frames_.g92[c], current = start[c];
-  const double r = incremental_ ? old + *cycle_r_ : *cycle_r_ + frames_.g92[c];
-  const double bottom = incremental_ ? r + *cycle_z_ : *cycle_z_ + frames_.g92[c];
+  const bool levels = profile_.cycles.sticky == Profile::Sticky::levels;
+  if (levels && incremental_) {  // from now on R and the bottom are heights
+    if (block_->has('R')) *cycle_r_ += *cycle_level_;
+    if (block_->has(axis_letter(c))) *cycle_z_ += *cycle_r_;
+  }
+  const bool relative = incremental_ && !levels;
+  const double r = relative ? old + *cycle_r_ : *cycle_r_ + frames_.g92[c];
+  const double bottom = relative ? r + *cycle_z_ : *cycle_z_ + frames_.g92[c];
   if (!(r >= bottom))
     return refuse(1, "E-CYCLE", "the R level is below the bottom of the hole", "the control stops here",
                   "correct R or the depth");

@@ -95,6 +95,8 @@ INSTANTIATE_TEST_SUITE_P(
                {}},
         Hazard{"h18_unknown_codes", "offset", 3, {"4:1: error[E-FRAME]", "5:1: error[E-GCODE]"}, {}},
         Hazard{"h19_unknown_height", "offset", 0, {}, {"--tools", "tool.tbl"}},
+        Hazard{"h20_integer_words", "offset", 3, {"4:4: error[E-DECIMAL]", "5:4: error[E-DECIMAL]"}, {"--dialect", "fanuc"}},
+        Hazard{"h24_short_lines", "offset", 3, {"3:1: error[E-LINELEN]"}, {"--dialect", "grbl"}},
         Hazard{"h21_outside", "offset", 5, {"4:1: error[E-TRAVEL]"}, {}},
         Hazard{"h22_compensated", "offset", 3, {"1:2: error[E-COMPENSATED]"}, {}},
         Hazard{"h23_bytes", "offset", 0, {}, {}},
@@ -113,6 +115,25 @@ std::vector<double> words(const std::string& program, char letter) {
     values.push_back(at == std::string::npos ? NAN : std::stod(line.substr(at + 1)));
   }
   return values;
+}
+
+/// X100 is 100 mm or 0.1 mm: a factor of a thousand, which nothing in the program tells.
+TEST(HazardLaws, IntegerWordsCountWhatTheFlagSays) {
+  const Outcome increments = compensate("h20_integer_words", "offset", {"--dialect", "fanuc", "--integer-words", "increments"});
+  EXPECT_THAT(increments.output, HasSubstr("G0 X99.990 Y0 Z0.020\nG1 X49.990 F500.\n")) << increments.run.err;
+  const Outcome units = compensate("h20_integer_words", "offset", {"--dialect", "fanuc", "--integer-words", "units"});
+  EXPECT_EQ(units.run.exit, 5) << "100 m are outside";
+}
+
+/// Codes of other controls that the programs of this folder meet, on each of them: handled or refused, never moved.
+TEST(HazardLaws, UnknownCodesAreRefusedOnEveryControl) {
+  for (const char* dialect : {"linuxcnc", "fanuc", "haas", "grbl", "grblhal", "iso"}) {
+    for (const char* name : {"h17_variables", "h18_unknown_codes", "h25_cutter_compensation", "h29_subprograms"}) {
+      const Outcome outcome = compensate(name, "offset", {"--dialect", dialect});
+      EXPECT_EQ(outcome.run.exit, 3) << dialect << " " << name;
+      EXPECT_FALSE(outcome.written);
+    }
+  }
 }
 
 /// The output without regard to which of several right texts it is.
