@@ -111,7 +111,7 @@ void Comparison::run(const KeepGoing& keep_going) {
         compare_motion();
         break;
       case Item::end:
-        switch (output_.next()) {
+        switch (pull()) {
           case Item::refused:
             return refused(output_);
           case Item::end:
@@ -134,7 +134,7 @@ void Comparison::finish() {
 
 void Comparison::compare_event() {
   const Event& expected = original_.event();
-  const Item item = output_.next();
+  const Item item = pull();
   if (item != Item::event || !same_kind(expected, output_.event())) return explain_disorder(item, &expected);
   const Event& found = output_.event();
   ++report_.events;
@@ -210,8 +210,14 @@ void Comparison::compare_motion() {
   }
 }
 
-bool Comparison::pull_motion() {
+ProgramReader::Item Comparison::pull() {
   const Item item = output_.next();
+  if (const auto places = output_.ahead(); !places.empty()) model_.look_ahead(places, approach_);
+  return item;
+}
+
+bool Comparison::pull_motion() {
+  const Item item = pull();
   if (item == Item::motion) return true;
   explain_disorder(item, nullptr);
   return false;
@@ -235,7 +241,7 @@ void Comparison::explain_disorder(Item found, const Event* expected) {
   disagree_and_stop("V-EVENT", fmt::format("expected {}, found {}", wanted, here));
   // Is the event there, but later? Its text does not outlive the line of the original, which stays.
   for (int i = 0; i < kLookAhead; ++i) {
-    const Item item = output_.next();
+    const Item item = pull();
     if (item == Item::end || item == Item::refused) return;
     if (item != Item::event || !same_kind(*expected, output_.event()) ||
         !same_values(*expected, output_.event()))

@@ -80,12 +80,6 @@ Event& Control::add(EventKind kind, int code, Letters words) {
   return event;
 }
 
-Axes Control::named_axes() const {
-  return ((block_->words & letter_bit('X')) != 0 ? 1u : 0u) |
-         ((block_->words & letter_bit('Y')) != 0 ? 2u : 0u) |
-         ((block_->words & letter_bit('Z')) != 0 ? 4u : 0u);
-}
-
 bool Control::frame_known() {
   if (frames_.system().defined == kAllAxes) return true;
   const int i = frames_.active;
@@ -336,7 +330,7 @@ bool Control::non_modal() {
     case 280:
     case 300:
       if (!(use_optional('X') && use_optional('Y') && use_optional('Z'))) return false;
-      if (named_axes() != 0 && !frame_known()) return false;
+      if (named_axes(*block_) != 0 && !frame_known()) return false;
       go_home(block_->g_code(0));
       return true;
     case 520:
@@ -372,7 +366,7 @@ bool Control::set_system() {
 
   const int index = p == 0 ? frames_.active : p - 1;
   Frames::System& system = frames_.systems[static_cast<std::size_t>(index)];
-  const Axes named = named_axes();
+  const Axes named = named_axes(*block_);
   if (l == 2) {
     for (int i = 0; i < 3; ++i)
       if ((named >> i & 1) != 0) system.origin[i] = length_word(static_cast<char>('X' + i));
@@ -406,7 +400,7 @@ bool Control::set_system() {
 
 bool Control::set_g92(int code) {
   const Block& b = *block_;
-  const Axes named = named_axes();
+  const Axes named = named_axes(*block_);
   for (const char letter : {'X', 'Y', 'Z'})
     if (!use_optional(letter)) return false;
   if ((code == 920 || code == 520) && named == 0)
@@ -455,11 +449,11 @@ void Control::go_home(int code) {
   motion_.code = code;
   motion_.machine_words = false;
   motion_.incremental = incremental_;
-  motion_.named = named_axes();
+  motion_.named = named_axes(*block_);
   for (int i = 0; i < 3; ++i)
     motion_.words[i] = (motion_.named >> i & 1) != 0 ? length_word(static_cast<char>('X' + i)) : 0;
   motion_.start = m_;
-  motion_.end = machine_of(frames_, target());
+  motion_.end = machine_of(frames_, led(*block_, u_));
   m_ = motion_.end;
   m_.known &= motion_.named == 0 ? 0u : ~motion_.named;
   for (int i = 0; i < 3; ++i)
