@@ -98,6 +98,14 @@ bool Control::execute(const Block& block, Fault& fault) {
   motion_code_ = -1;
   covets_ = false;
 
+  // Most blocks: axis words for the line or rapid in force, and nothing else.
+  const bool words_of_axes = block.words != 0 && (block.words & ~kAxisLetters) == 0;
+  if (words_of_axes && (block.g_groups | block.m_groups) == 0 && block.comment_count == 0 &&
+      (mode_ == 0 || mode_ == 10)) {
+    motion_code_ = mode_;
+    return move();
+  }
+
   if (block.has('N')) {
     if (!use('N')) return false;
     add(EventKind::block_number, 0, letter_bit('N'));
