@@ -283,7 +283,8 @@ double Rewriter::put(char letter, const Word* word, double number, int decimals,
     *extra += ' ';
     *extra += letter;
   }
-  return append_fixed(word ? edit_.replace(*word) : first ? edit_.add(letter) : *extra, number, decimals);
+  if (word) return edit_.replace(*word, number, decimals);
+  return append_fixed(first ? edit_.add(letter) : *extra, number, decimals);
 }
 
 void Rewriter::command(const Vec3& want, bool first, Vec3& p_out, std::string* extra, unsigned skip) {

@@ -222,20 +222,25 @@ void refuse_letter(ProgramFindings& findings, std::uint64_t line, const Block& b
 
 namespace {
 
-/// Most blocks: a line or rapid in force, its axes, perhaps a feed. False: `out` is as it was.
+constexpr Instruction nothing() {
+  Instruction instruction;
+  for (auto& index : instruction.word) index = -1;
+  return instruction;
+}
+constexpr Instruction kNothing = nothing();
+
+/// Most blocks: a line or rapid in force, its axes, perhaps a feed. False: `out` means nothing.
 bool is_plain_line(const Block& block, const ModalState& state, Instruction& out) {
-  if ((state.motion != 0 && state.motion != 10) || block.count == 0) return false;
+  if (state.motion != 0 && state.motion != 10) return false;
+  out = kNothing;
   std::uint32_t present = 0;
   for (int i = 0; i < block.count; ++i) {
-    const std::uint32_t word = bit(block.words[static_cast<std::size_t>(i)].letter);
-    if ((word & (kAxisBits | bit('F'))) == 0 || (word & present) != 0) return false;
-    present |= word;
+    const char letter = block.words[static_cast<std::size_t>(i)].letter;
+    if ((bit(letter) & (kAxisBits | bit('F')) & ~present) == 0) return false;
+    present |= bit(letter);
+    out.word[static_cast<std::size_t>(letter - 'A')] = static_cast<std::int8_t>(i);
   }
   if ((present & kAxisBits) == 0) return false;
-  for (int i = 0; i < block.count; ++i) {
-    const Word& word = block.words[static_cast<std::size_t>(i)];
-    out.word[static_cast<std::size_t>(word.letter - 'A')] = static_cast<std::int8_t>(i);
-  }
   out.moves_axes = out.plain = true;
   out.motion = state.motion;
   return true;
@@ -247,9 +252,8 @@ bool stops_after_motion(int m_code) { return m_code <= 2 || m_code == 30 || m_co
 
 bool read_instruction(const Block& block, const ModalState& state, std::uint64_t line, ProgramFindings& findings,
                       Instruction& out) {
-  out = Instruction{};
-  out.word.fill(-1);
   if (is_plain_line(block, state, out)) return true;
+  out = kNothing;
   std::array<bool, kGroups> seen{};
   bool good = true;
   std::uint32_t present = 0;

@@ -36,6 +36,7 @@ class Comparison {
   void compare_event();
   void compare_frames();
   void compare_motion();
+  Item pull();         ///< the output's next item
   bool pull_motion();  ///< the output's next item must be a motion
   void explain_disorder(Item found, const Event* expected);
   void disagree(const char* code, std::string message);

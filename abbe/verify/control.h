@@ -31,6 +31,11 @@ class Control {
   [[nodiscard]] const Motion* motion() const { return moves_ ? &motion_ : nullptr; }
   [[nodiscard]] const Event* after() const { return stops_ ? &stop_ : nullptr; }
 
+  /// Where the axis words of a block lead from u (both with g92 in them), in the modes in force: u = word + g92, or
+  /// u + word in G91.
+  [[nodiscard]] Position led(const Block& block, Position u) const;
+  [[nodiscard]] const Position& position() const { return u_; }  ///< u
+
   [[nodiscard]] const Frames& frames() const { return frames_; }
   [[nodiscard]] std::optional<int> tool() const { return tool_; }
   [[nodiscard]] const Turns& turns() const { return turns_; }
@@ -47,7 +52,6 @@ class Control {
   Event& add(EventKind kind, int code, Letters words = 0);
   void fill(Event& event, EventKind kind, int code, Letters words) const;
   [[nodiscard]] double length_word(char letter) const { return (*block_)[letter] * unit_; }
-  [[nodiscard]] Axes named_axes() const;
   bool frame_known();
 
   bool choose_motion();
@@ -67,7 +71,6 @@ class Control {
   bool arc_centre(const Vec3& start, const Vec3& end, int a, int b, Vec3& centre);
   bool canned_cycle();
   bool cycle_words(int axis);
-  [[nodiscard]] Position target() const;
   void begin_motion(MotionKind kind);
   bool stops();
   bool leftovers();

@@ -103,7 +103,7 @@ void Comparison::cover(const Motion& original) {
   cover.travelled_before = travelled_;
   ++report_.feed_motions;
   while (!stop_) {
-    const Item item = output_.next();
+    const Item item = pull();
     const bool goes_on = item == Item::motion && output_.motion().feeds() && !output_.motion().machine_words;
     if (!goes_on) {
       if (item == Item::refused) return refused(output_);

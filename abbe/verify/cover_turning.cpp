@@ -113,7 +113,7 @@ void Comparison::cover_turning(const Motion& original) {
   cover.allowed = allowed_for(quantum());
   ++report_.feed_motions;
   while (!stop_) {
-    const Item item = output_.next();
+    const Item item = pull();
     if (item == Item::event && cover.pieces == 0 && original.feed_mode == 940 && begins_timed(output_.event())) {
       timed_ = true;
       continue;

@@ -27,7 +27,7 @@ Frames frames_of(const ControlSetup& setup) {
   return frames;
 }
 
-Position machine_of(const Frames& frames, const Position& u) {
+Position machine_of_partly_known(const Frames& frames, const Position& u) {
   const Frames::System& system = frames.system();
   Position m;
   m.known = known_after_rotation(u.known, system.rotation);

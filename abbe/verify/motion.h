@@ -10,6 +10,9 @@
 
 namespace abbe::verifying {
 
+/// The axes with a word in a block. X Y Z are neighbours among the letters, as among the axes.
+[[nodiscard]] constexpr Axes named_axes(const Block& block) { return block.words >> ('X' - 'A') & kAllAxes; }
+
 /// home: G28 and G30, which end at a position that only the control knows.
 enum class MotionKind : std::uint8_t { rapid, line, arc, cycle, home };
 
