@@ -85,6 +85,8 @@ class Comparison {
   void end_timed(const Motion& original);
   bool stand(const Turns& original, const Turns& output);
   bool check_turns(const Motion& original, const Motion& output);
+  [[nodiscard]] double direction_allowed(const Motion& original, double before) const;
+  void disagree_direction(double after, double before);
   void check_direction(const Motion& original, double after, double before);
 
   /// Tip at the start of a motion: mostly where the last one ended, and then already known.
