@@ -10,7 +10,7 @@ void one_tip(const FlatView& plan, const double* tool_tip, const signed char* ap
   State<double> state;
   state.tip = tool_tip;
   state.approach = approach;
-  for (int i = 0; i < plan.axis_count; ++i) state.q[i] = q[i];
+  state.q = q;
   Triple<double> p, a;
   walk_actual<double, false>(plan, state, p, a);
   tip[0] = p.x, tip[1] = p.y, tip[2] = p.z;
@@ -20,10 +20,12 @@ void one_tip(const FlatView& plan, const double* tool_tip, const signed char* ap
 void tips(const FlatView& plan, const double* tool_tip, const signed char* approach, const double* const* q,
           std::size_t count, double* const* tip, unsigned char* lanes) {
   for (std::size_t first = 0; first < count; first += lanes_of<Packet>) {
+    Packet commands[kMaxFlatAxes];
+    for (int i = 0; i < plan.axis_count; ++i) commands[i] = load<Packet>({q, first, count}, i);
     State<Packet> state;
+    state.q = commands;
     state.tip = tool_tip;
     state.approach = approach;
-    for (int i = 0; i < plan.axis_count; ++i) state.q[i] = load<Packet>({q, first, count}, i);
     Triple<Packet> p, a;
     walk_actual<Packet, false>(plan, state, p, a);
     store(tip[0], first, count, p.x);

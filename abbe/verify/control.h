@@ -32,8 +32,18 @@ class Control {
   [[nodiscard]] const Event* after() const { return stops_ ? &stop_ : nullptr; }
 
   /// Where the axis words of a block lead from u (both with g92 in them), in the modes in force: u = word + g92, or
-  /// u + word in G91.
-  [[nodiscard]] Position led(const Block& block, Position u) const;
+  /// u + word in G91. Inline, so that coordinates stay in registers: stored one by one and loaded together they
+  /// would have to be waited for.
+  [[nodiscard]] Position led(const Block& block, const Position& u) const {
+    const auto coordinate = [&](int i, char letter) {
+      if (!block.has(letter)) return u.at[i];
+      const double word = block[letter] * unit_;
+      if (!incremental_) return word + frames_.g92[i];
+      return (u.known >> i & 1) != 0 ? u.at[i] + word : u.at[i];
+    };
+    return {Vec3(coordinate(0, 'X'), coordinate(1, 'Y'), coordinate(2, 'Z')),
+            incremental_ ? u.known : u.known | named_axes(block)};
+  }
   [[nodiscard]] const Position& position() const { return u_; }  ///< u
 
   [[nodiscard]] const Frames& frames() const { return frames_; }

@@ -46,20 +46,6 @@ double angle_between(double a, double b, bool clockwise) {
 
 }  // namespace
 
-Position Control::led(const Block& block, Position u) const {
-  for (int i = 0; i < 3; ++i) {
-    if (!block.has(axis_letter(i))) continue;
-    const double word = block[axis_letter(i)] * unit_;
-    if (incremental_) {
-      if ((u.known >> i & 1) != 0) u.at[i] += word;
-    } else {
-      u.at[i] = word + frames_.g92[i];
-      u.known |= Axes{1} << i;
-    }
-  }
-  return u;
-}
-
 void Control::begin_motion(MotionKind kind) {
   moves_ = true;
   motion_.kind = kind;
@@ -119,9 +105,10 @@ bool Control::straight() {
     u_ = program_of(frames_, m_);
     return true;
   }
-  u_ = led(*block_, u_);
-  m_ = machine_of(frames_, u_);
-  motion_.end = m_;
+  const Position u = led(*block_, u_), m = machine_of(frames_, u);
+  u_ = u;
+  m_ = m;
+  motion_.end = m;
   return true;
 }
 

@@ -101,6 +101,9 @@ struct Event {
 [[nodiscard]] Vec3 derivative_at(const Motion& motion, double s);
 
 /// Length of a line or arc, mm (of a spiral: with the mean radius).
-[[nodiscard]] double length_of(const Motion& motion);
+[[nodiscard]] double length_of_arc(const Arc& arc);
+[[nodiscard]] inline double length_of(const Motion& motion) {
+  return motion.kind == MotionKind::arc ? length_of_arc(motion.arc) : (motion.end.at - motion.start.at).norm();
+}
 
 }  // namespace abbe::verifying
