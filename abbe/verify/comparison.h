@@ -75,7 +75,7 @@ class Comparison {
   void cover_turning(const Motion& original);
   bool turn_piece(TurnCover& cover, const Motion& piece);
   void turn_sample(TurnCover& cover, const Motion& piece, double t);
-  void find_foot(TurnCover& cover, const Vec3& tip, const Turns& turns);
+  void find_foot(TurnCover& cover, const TipAndAxis& is, const Turns& turns);
   TipAndAxis meant(const TurnCover& cover, double s);
   TipAndAxis done(const Motion& piece, double t);
   void conclude_turning(TurnCover& cover);
@@ -117,7 +117,6 @@ class Comparison {
   double travelled_ = 0;  ///< feed path so far, mm
   bool timed_ = false;    ///< the output has switched to G93 for a motion that the original feeds in G94
   Turns output_turns_{};  ///< of the output after its last motion
-  double standing_direction_ = 0;  ///< direction error, before compensation, where the rotary axes last turned, rad
   DeviationTally before_, after_;
   SampleKeeper samples_;
 };

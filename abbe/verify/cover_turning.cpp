@@ -15,8 +15,10 @@ constexpr double kInterval = 3.3;        // mm between samples
 constexpr double kTurnInterval = 1 * deg;
 constexpr int kFewestIntervals = 3, kMostIntervals = 2000;
 constexpr double kSlope = 1e-4;          // of s, for derivatives of the path
-constexpr double kStill = 0.1;           // mm of path per unit of s: the tip does not tell where on the path it is
+constexpr double kStill = 5e-3;          // mm of path per unit of s: the tip does not tell where on the path it is
 constexpr double kFootTolerance = 2e-5;  // mm
+constexpr double kNoSwing = 1e-5;        // rad of direction per unit of s: the direction does not tell either
+constexpr double kFootAngle = 1e-7;      // rad
 constexpr int kFootSteps = 6;
 constexpr double kBehind = 0.1;          // share of a turn that a correction may lack at its end
 
@@ -90,21 +92,25 @@ TipAndAxis Comparison::done(const Motion& piece, double t) {
   return model_.actual_pose(piece.start.at + t * (piece.end.at - piece.start.at), &outside);
 }
 
-/// The place of the original's path nearest to a tip: Gauss-Newton from the last one. Where the tip stands
-/// still, the rotary axes say.
-void Comparison::find_foot(TurnCover& cover, const Vec3& tip, const Turns& turns) {
+/// The place of the original's path nearest to a tip, by Gauss-Newton from the last one. Where the tip stands still
+/// the direction of the tool axis says where, and where that stands still too the rotary axes.
+void Comparison::find_foot(TurnCover& cover, const TipAndAxis& is, const Turns& turns) {
   for (int i = 0; i < kFootSteps; ++i) {
-    const Vec3 slope = (meant(cover, cover.s + kSlope).position - meant(cover, cover.s - kSlope).position) / (2 * kSlope);
+    const TipAndAxis behind = meant(cover, cover.s - kSlope), ahead = meant(cover, cover.s + kSlope), at = meant(cover, cover.s);
+    const Vec3 slope = (ahead.position - behind.position) / (2 * kSlope);
+    const Vec3 swing = (ahead.tool_axis - behind.tool_axis) / (2 * kSlope);
     cover.speed = slope.norm();
-    if (cover.speed < kStill) {
+    const bool by_tip = cover.speed >= kStill;
+    if (!by_tip && swing.norm() < kNoSwing) {
       double square = 0;
       cover.s = turn_share(cover.motion, turns, square);
       return;
     }
     // s := s + T'.(P - T) / T'.T'
-    const double step = slope.dot(tip - meant(cover, cover.s).position) / slope.squaredNorm();
+    const double step = by_tip ? slope.dot(is.position - at.position) / slope.squaredNorm()
+                               : swing.dot(is.tool_axis - at.tool_axis) / swing.squaredNorm();
     cover.s += std::clamp(step, -0.5, 0.5);
-    if (std::abs(step) * cover.speed < kFootTolerance) return;
+    if (std::abs(step) * (by_tip ? cover.speed / kFootTolerance : swing.norm() / kFootAngle) < 1) return;
   }
 }
 
@@ -186,7 +192,7 @@ void Comparison::turn_sample(TurnCover& cover, const Motion& piece, double t) {
   const TipAndAxis is = done(piece, t);
   const Turns turns = along(piece.turns_start, piece.turns_end, t);
   cover.last_s = cover.s;
-  find_foot(cover, is.position, turns);
+  find_foot(cover, is, turns);
   const double inside = std::clamp(cover.s, 0.0, 1.0);
   const TipAndAxis wanted = meant(cover, cover.speed < kStill ? inside : cover.s);
   const Vec3 after = is.position - wanted.position;
@@ -226,7 +232,6 @@ void Comparison::turn_sample(TurnCover& cover, const Motion& piece, double t) {
 
 void Comparison::conclude_turning(TurnCover& cover) {
   reached_.valid = false;
-  standing_direction_ = cover.askew;
   check_turning_feed(cover);
   if (cover.worst > 0)
     disagree("V-PATH", fmt::format("the path is {:.3f} um off at {:.1f} % of the motion, {:.3f} um are allowed", cover.worst / um,
@@ -288,18 +293,17 @@ bool Comparison::check_turns(const Motion& original, const Motion& output) {
   return true;
 }
 
-/// The tool may not stand more askew than without compensation; axes that stand keep the correction of the place
-/// where they last turned.
+/// The tool may not stand more askew than without compensation, but for axes that do not turn here: they keep the
+/// correction of the place where they last turned.
 double Comparison::direction_allowed(const Motion& original, double before) const {
-  double digits = kTurnDigit;
-  bool all_turn = true;
+  double digits = kTurnDigit, standing = 0;
   for (int k = 0; k < 3; ++k) {
     if (!model_.rotary().has(k)) continue;
     const auto i = static_cast<std::size_t>(k);
     digits = std::max(digits, model_.rotary().resolution(k) / 2);
-    all_turn = all_turn && original.turns_start[i] != original.turns_end[i];
+    if (original.turns_start[i] == original.turns_end[i]) standing += std::abs(output_turns_[i] - original.turns_end[i]);
   }
-  return kDirectionTolerance + 2 * digits + before + (all_turn ? 0 : standing_direction_);
+  return kDirectionTolerance + 2 * digits + before + standing;
 }
 
 void Comparison::check_direction(const Motion& original, double after, double before) {
