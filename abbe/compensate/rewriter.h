@@ -133,6 +133,7 @@ class Rewriter {
     Vec3 m = Vec3::Zero();
     Turns turns{};
     std::array<double, 3> numbers{};
+    double direction = 0;  ///< what is left between the tool axes, rad
     bool held = false;
   };
   std::optional<Stop> stop_at(const Move& move, double s, const Turns& from);

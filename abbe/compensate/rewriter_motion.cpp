@@ -51,20 +51,19 @@ bool Rewriter::read_move(Move& move) {
     }
     return false;
   }
-  Vec3 p = frames.to_program(in_.m);
-  for (int k = 0; k < 3; ++k) {
+  // Coordinates stay in registers: stored one by one and loaded together they would have to be waited for.
+  const Vec3 p0 = frames.to_program(in_.m);
+  const auto coordinate = [&](int k) {
     const Word* word = axis_word(k);
-    if (!word) continue;
-    p[k] = word->value * modal_.unit() + (modal_.incremental ? p[k] : 0.0);
-  }
-  move.m1 = frames.to_machine(p);
+    return word ? word->value * modal_.unit() + (modal_.incremental ? p0[k] : 0.0) : p0[k];
+  };
+  const Vec3 m1 = frames.to_machine(Vec3(coordinate(0), coordinate(1), coordinate(2)));
   if (!modal_.incremental) move.known1 |= move.named & 7u;
   // A rotated frame mixes X and Y: one is known only with the other.
   if (frames.rotated() && (move.known1 & 3u) != 3u) move.known1 &= ~3u;
   // Axes that are not named stay exactly where they are.
-  for (int k = 0; k < 3; ++k) {
-    if (!(move.named & (1u << k)) && !(frames.rotated() && k < 2)) move.m1[k] = in_.m[k];
-  }
+  const unsigned moved = frames.rotated() ? move.named | 3u : move.named;
+  move.m1 = moved == 7 ? m1 : Vec3((moved & 1u) ? m1.x() : in_.m.x(), (moved & 2u) ? m1.y() : in_.m.y(), (moved & 4u) ? m1.z() : in_.m.z());
   return true;
 }
 
@@ -282,7 +281,8 @@ double Rewriter::put(char letter, const Word* word, double number, int decimals,
     *extra += ' ';
     *extra += letter;
   }
-  return append_fixed(word ? edit_.replace(*word) : first ? edit_.add(letter) : *extra, number, decimals);
+  if (word) return edit_.replace(*word, number, decimals);
+  return append_fixed(first ? edit_.add(letter) : *extra, number, decimals);
 }
 
 void Rewriter::command(const Vec3& want, bool first, Vec3& p_out, std::string* extra, unsigned skip) {

@@ -241,7 +241,7 @@ bool Rewriter::set_g92() {
     const int decimals = decimals_of(word) + 2;
     double v = word->value + (p_out[k] - p_in[k]) / modal_.unit();
     if (std::abs(v - word->value) > half_digit(decimals)) {
-      v = append_fixed(edit_.replace(*word), v, decimals);
+      v = edit_.replace(*word, v, decimals);
     } else {
       v = word->value;
     }
@@ -307,7 +307,7 @@ bool Rewriter::set_work_offset() {
     const int decimals = decimals_of(word) + 2;
     double v = (at_out - in.origin[i]) / modal_.unit();
     if (std::abs(v - word->value) > half_digit(decimals)) {
-      v = append_fixed(edit_.replace(*word), v, decimals);
+      v = edit_.replace(*word, v, decimals);
     } else {
       v = word->value;
     }

@@ -263,7 +263,7 @@ bool read_subset(const Section& section, std::string_view key, const std::vector
 void read_text_rules(const TomlNode& root, Profile& profile, Findings& findings) {
   const Section section(root, "text", {"block_bytes", "comments", "percent", "program_number", "block_delete"}, findings);
   Profile::Text& text = profile.text;
-  section.whole("block_bytes", text.block_bytes, 20, 254);
+  section.whole("block_bytes", text.block_bytes, 60, 254);
   section.flag("percent", text.percent);
   section.choice("block_delete", {"none", "plain", "numbered", "ignored"}, text.skip);
   std::vector<bool> present;

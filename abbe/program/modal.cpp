@@ -262,20 +262,25 @@ void refuse_letter(ProgramFindings& findings, std::uint64_t line, const Block& b
 
 namespace {
 
-/// Most blocks: a line or rapid in force, its axes, perhaps a feed. False: `out` is as it was.
+constexpr Instruction nothing() {
+  Instruction instruction;
+  for (auto& index : instruction.word) index = -1;
+  return instruction;
+}
+constexpr Instruction kNothing = nothing();
+
+/// Most blocks: a line or rapid in force, its axes, perhaps a feed. False: `out` means nothing.
 bool is_plain_line(const Block& block, const ModalState& state, Instruction& out) {
-  if ((state.motion != 0 && state.motion != 10) || block.count == 0 || !state.units_stated || !state.distance_stated) return false;
+  if ((state.motion != 0 && state.motion != 10) || !state.stated) return false;
+  out = kNothing;
   std::uint32_t present = 0;
   for (int i = 0; i < block.count; ++i) {
-    const std::uint32_t word = bit(block.words[static_cast<std::size_t>(i)].letter);
-    if ((word & (kAxisBits | bit('F'))) == 0 || (word & present) != 0) return false;
-    present |= word;
+    const char letter = block.words[static_cast<std::size_t>(i)].letter;
+    if ((bit(letter) & (kAxisBits | bit('F')) & ~present) == 0) return false;
+    present |= bit(letter);
+    out.word[static_cast<std::size_t>(letter - 'A')] = static_cast<std::int8_t>(i);
   }
   if ((present & kAxisBits) == 0) return false;
-  for (int i = 0; i < block.count; ++i) {
-    const Word& word = block.words[static_cast<std::size_t>(i)];
-    out.word[static_cast<std::size_t>(word.letter - 'A')] = static_cast<std::int8_t>(i);
-  }
   out.moves_axes = out.plain = true;
   out.motion = state.motion;
   return true;
@@ -296,6 +301,7 @@ ModalState start_of(const Profile& profile) {
   state.retract_to_r = profile.start.retract_to_r;
   state.units_stated = profile.start.units != Profile::Units::stated;
   state.distance_stated = profile.start.distance != Profile::Distance::stated;
+  state.stated = state.units_stated && state.distance_stated;
   return state;
 }
 
@@ -346,9 +352,8 @@ bool number_work_offset(Reading& reading) {
 
 bool read_instruction(const Profile& profile, const Block& block, const ModalState& state, std::uint64_t line, ProgramFindings& findings,
                       Instruction& out) {
-  out = Instruction{};
-  out.word.fill(-1);
   if (is_plain_line(block, state, out)) return true;
+  out = kNothing;
   Reading reading{profile, block, line, findings, out, state};
   if (!sort_words(reading) || !number_work_offset(reading)) return false;
   LetterSet present = 0;
@@ -433,6 +438,7 @@ void apply_modal(const Block& block, const Instruction& in, ModalState& state) {
   if (in.retract >= 0) state.retract_to_r = in.retract == 990;
   state.units_stated = state.units_stated || in.units >= 0;
   state.distance_stated = state.distance_stated || in.distance >= 0;
+  state.stated = state.units_stated && state.distance_stated;
   if (in.states_motion) {
     state.motion = in.motion;
     state.motion_words = in.motion_words;

@@ -38,6 +38,7 @@ struct ModalState {
   bool has_feed = false;       ///< F given since the feed mode changed
   LetterSet motion_words = 0;  ///< letters that belong to the motion in force
   bool units_stated = true, distance_stated = true;  ///< false: the profile assumes nothing, and the program has said nothing
+  bool stated = true;          ///< both
   std::span<const TcpCode> tcp_codes{};  ///< codes of this control that switch tool centre point control
   [[nodiscard]] double unit() const { return inch ? 25.4 : 1.0; }
 };

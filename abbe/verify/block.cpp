@@ -125,22 +125,46 @@ Decimal read_spaced_decimal(std::string_view text) {
   return decimal;
 }
 
+/// Usual words: a value letter, at once its number, then the end or a blank and the next letter. Reads as many as
+/// there are from p on and returns where they end.
+const char* plain_words(const char* begin, const char* p, const char* end, Block& block) {
+  Letters words = block.words;
+  while (p != end) {
+    const auto letter = static_cast<unsigned>(*p) - 'A';
+    if (letter >= 26 || (kPlainLetters & ~words & (Letters{1} << letter)) == 0) break;
+    double number = 0;
+    int decimals = 0;
+    const char* next = read_plain_decimal(begin, p + 1, end, number, decimals);
+    if (next == nullptr) break;
+    if (next != end && *next == ' ') ++next;
+    const bool ends = next == end || static_cast<unsigned>(*next) - 'A' < 26;
+    if (!ends || !(std::abs(number) <= kMaxNumber)) break;
+    words |= Letters{1} << letter;
+    block.value[letter] = number;
+    block.column[letter] = static_cast<std::uint8_t>(p - begin + 1);
+    p = next;
+  }
+  block.words = words;
+  return p;
+}
+
 class Scanner {
  public:
-  Scanner(std::string_view line, const Profile& profile, Block& block, Fault& fault,
+  /// `at` bytes were plain words.
+  Scanner(std::string_view line, std::size_t at, const Profile& profile, Block& block, Fault& fault,
           std::span<const TcpCode> tcp_codes)
-      : line_(line), profile_(profile), block_(block), fault_(fault), tcp_codes_(tcp_codes) {}
+      : line_(line), profile_(profile), block_(block), fault_(fault), at_(at), tcp_codes_(tcp_codes) {}
 
   bool scan() {
-    skip_blanks();
-    if (at_ < line_.size() && line_[at_] == '/') {
+    bool first = at_ == 0;
+    if (first) skip_blanks();
+    if (first && at_ < line_.size() && line_[at_] == '/') {
       if (profile_.text.skip == Profile::Skip::none) return stray('/');
       block_.deletable = true;
       ++at_;
       const bool numbered = profile_.text.skip == Profile::Skip::numbered;
       if (numbered && at_ < line_.size() && line_[at_] >= '1' && line_[at_] <= '9') ++at_;
     }
-    bool first = true;
     while (at_ < line_.size()) {
       const char c = line_[at_];
       if (is_blank(c)) {
@@ -149,7 +173,11 @@ class Scanner {
       }
       const char upper = static_cast<char>(static_cast<unsigned char>(c) & 0xDFu);
       if (upper >= 'A' && upper <= 'Z') {
-        if (!plain_words() && !word(upper, first)) return false;
+        const char* const begin = line_.data();
+        const char* const behind = plain_words(begin, begin + at_, begin + line_.size(), block_);
+        const bool plain = behind != begin + at_;
+        at_ = static_cast<std::size_t>(behind - begin);
+        if (!plain && !word(upper, first)) return false;
         first = false;
       } else if ((c == '(' && profile_.text.parentheses) || (c == ';' && profile_.text.semicolon)) {
         if (!comment(c)) return false;
@@ -199,34 +227,6 @@ class Scanner {
   bool expression() {
     return refuse(fault_, at_ + 1, 1, "E-EXPR", "variables and expressions are not read",
                   "their value is known only to the control", "post the program with literal numbers");
-  }
-
-  /// Usual words: a value letter, at once its number, then the end or a blank and the next letter. Reads as
-  /// many as there are; false: none.
-  bool plain_words() {
-    const char* const begin = line_.data();
-    const char* const end = begin + line_.size();
-    const char* p = begin + at_;
-    Letters words = block_.words;
-    while (p != end) {
-      const auto letter = static_cast<unsigned>(*p) - 'A';
-      if (letter >= 26 || (kPlainLetters & ~words & (Letters{1} << letter)) == 0) break;
-      double number = 0;
-      int decimals = 0;
-      const char* next = read_plain_decimal(begin, p + 1, end, number, decimals);
-      if (next == nullptr) break;
-      if (next != end && *next == ' ') ++next;
-      const bool ends = next == end || static_cast<unsigned>(*next) - 'A' < 26;
-      if (!ends || !(std::abs(number) <= kMaxNumber)) break;
-      words |= Letters{1} << letter;
-      block_.value[letter] = number;
-      block_.column[letter] = static_cast<std::uint8_t>(p - begin + 1);
-      p = next;
-    }
-    if (p == begin + at_) return false;
-    block_.words = words;
-    at_ = static_cast<std::size_t>(p - begin);
-    return true;
   }
 
   bool word(char letter, bool first) {
@@ -383,8 +383,8 @@ class Scanner {
   const Profile& profile_;
   Block& block_;
   Fault& fault_;
+  std::size_t at_;
   std::span<const TcpCode> tcp_codes_;
-  std::size_t at_ = 0;
 };
 
 /// The words whose number stands without a point; zeros are the same either way.
@@ -398,6 +398,20 @@ Letters words_without_point(std::string_view line, const Block& block) {
     if (!point) found |= Letters{1} << i;
   }
   return found;
+}
+
+/// Every control reads lines up to here.
+constexpr std::size_t kEverywhere = 60;
+
+/// What not every control allows of a line that was split into words.
+bool read_rules(std::string_view line, const Profile& profile, Block& block, Fault& fault) {
+  const bool words = block.words != 0 || block.g_groups != 0 || block.m_groups != 0;
+  if (words && line.size() > profile.text.block_bytes)
+    return refuse(fault, profile.text.block_bytes + 1, 1, "E-LINELEN",
+                  fmt::format("the line has {} bytes, the control reads {}", line.size(), profile.text.block_bytes),
+                  "the control stops at longer lines", "shorten the line");
+  if (profile.numbers.integer_words != Profile::IntegerWords::units) block.pointless = words_without_point(line, block);
+  return true;
 }
 
 }  // namespace
@@ -416,14 +430,12 @@ bool read_block(std::string_view line, const Profile& profile, Block& block, Fau
     return refuse(fault, kMaxBlockLength + 1, 1, "E-LINELEN",
                   fmt::format("the line has {} bytes, the control reads {}", line.size(), kMaxBlockLength),
                   "controls stop at longer lines", "shorten the line");
-  if (!Scanner(line, profile, block, fault, tcp_codes).scan()) return false;
-  const bool words = block.words != 0 || block.g_groups != 0 || block.m_groups != 0;
-  if (words && line.size() > profile.text.block_bytes)
-    return refuse(fault, profile.text.block_bytes + 1, 1, "E-LINELEN",
-                  fmt::format("the line has {} bytes, the control reads {}", line.size(), profile.text.block_bytes),
-                  "the control stops at longer lines", "shorten the line");
-  if (profile.numbers.integer_words != Profile::IntegerWords::units) block.pointless = words_without_point(line, block);
-  return true;
+  const char* const begin = line.data();
+  const char* const behind = plain_words(begin, begin, begin + line.size(), block);
+  const auto plain = static_cast<std::size_t>(behind - begin);
+  if (plain != line.size() && !Scanner(line, plain, profile, block, fault, tcp_codes).scan()) return false;
+  const bool usual = line.size() <= kEverywhere && profile.numbers.integer_words == Profile::IntegerWords::units;
+  return usual || read_rules(line, profile, block, fault);
 }
 
 }  // namespace abbe::verifying

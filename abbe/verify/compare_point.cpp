@@ -71,7 +71,6 @@ void Comparison::compare_rapid(const Motion& original, const Motion& output) {
     const double before = angle(model_.actual_pose(original.end.at, nullptr).tool_axis);
     if (!stand(original.turns_end, output_turns)) return;
     check_direction(original, after, before);
-    standing_direction_ = before;
   }
   if (!samples_.wants_next()) return samples_.skip();
   keep_sample(target - datum_, model_.actual(original.end.at, approach_, nullptr) - target, deviation, true);

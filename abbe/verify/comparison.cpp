@@ -111,7 +111,7 @@ void Comparison::run(const KeepGoing& keep_going) {
         compare_motion();
         break;
       case Item::end:
-        switch (output_.next()) {
+        switch (pull()) {
           case Item::refused:
             return refused(output_);
           case Item::end:
@@ -135,11 +135,11 @@ void Comparison::finish() {
 void Comparison::compare_event() {
   const Event& expected = original_.event();
   if (timed_ && expected.kind == EventKind::feed) return;  // held against the output's in end_timed()
-  Item item = output_.next();
+  Item item = pull();
   if (item == Item::event && begins_timed(output_.event()) && !same_kind(expected, output_.event())) {
     timed_ = true;
     if (expected.kind == EventKind::feed) return;
-    item = output_.next();
+    item = pull();
   }
   if (item != Item::event || !same_kind(expected, output_.event())) return explain_disorder(item, &expected);
   const Event& found = output_.event();
@@ -168,8 +168,8 @@ bool Comparison::begins_timed(const Event& found) const {
 void Comparison::end_timed(const Motion& original) {
   constexpr int per_minute = 940;
   timed_ = false;
-  const bool mode = output_.next() == Item::event && output_.event().kind == EventKind::g_code && output_.event().code == per_minute;
-  const bool feed = mode && output_.next() == Item::event && output_.event().kind == EventKind::feed &&
+  const bool mode = pull() == Item::event && output_.event().kind == EventKind::g_code && output_.event().code == per_minute;
+  const bool feed = mode && pull() == Item::event && output_.event().kind == EventKind::feed &&
                     output_.event().values[0] == original.feed;
   if (!feed) disagree_and_stop("V-FEED", fmt::format("G94 F{:g} is not restored behind a motion in inverse time", original.feed));
 }
@@ -237,8 +237,14 @@ void Comparison::compare_motion() {
   }
 }
 
-bool Comparison::pull_motion() {
+ProgramReader::Item Comparison::pull() {
   const Item item = output_.next();
+  if (const auto places = output_.ahead(); !places.empty()) model_.look_ahead(places, approach_);
+  return item;
+}
+
+bool Comparison::pull_motion() {
+  const Item item = pull();
   if (item == Item::motion) return true;
   explain_disorder(item, nullptr);
   return false;
@@ -262,7 +268,7 @@ void Comparison::explain_disorder(Item found, const Event* expected) {
   disagree_and_stop("V-EVENT", fmt::format("expected {}, found {}", wanted, here));
   // Is the event there, but later? Its text does not outlive the line of the original, which stays.
   for (int i = 0; i < kLookAhead; ++i) {
-    const Item item = output_.next();
+    const Item item = pull();
     if (item == Item::end || item == Item::refused) return;
     if (item != Item::event || !same_kind(*expected, output_.event()) ||
         !same_values(*expected, output_.event()))

@@ -89,12 +89,6 @@ Event& Control::add(EventKind kind, int code, Letters words) {
   return event;
 }
 
-Axes Control::named_axes() const {
-  return ((block_->words & letter_bit('X')) != 0 ? 1u : 0u) |
-         ((block_->words & letter_bit('Y')) != 0 ? 2u : 0u) |
-         ((block_->words & letter_bit('Z')) != 0 ? 4u : 0u);
-}
-
 bool Control::frame_known() {
   if (frames_.system().defined == kAllAxes) return true;
   const std::string name = work_offset_label(frames_.active);
@@ -118,6 +112,14 @@ bool Control::execute(const Block& block, Fault& fault) {
 /// What executing a block means once its numbers are in units.
 bool Control::execute_settled() {
   const Block& block = *block_;
+  // Most blocks: axis words for the line or rapid in force, and nothing else.
+  const bool words_of_axes = block.words != 0 && (block.words & ~kAxisLetters) == 0;
+  if (words_of_axes && (block.g_groups | block.m_groups) == 0 && (block.comment_count | block.extra_count) == 0 &&
+      (mode_ == 0 || mode_ == 10)) {
+    motion_code_ = mode_;
+    return move();
+  }
+
   if (block.has('N')) {
     if (!use('N')) return false;
     add(EventKind::block_number, 0, letter_bit('N'));
@@ -445,7 +447,7 @@ bool Control::non_modal() {
     case 300:
       for (const char letter : {'X', 'Y', 'Z', 'A', 'B', 'C'})
         if (!use_optional(letter)) return false;
-      if (named_axes() != 0 && !frame_known()) return false;
+      if (named_axes(*block_) != 0 && !frame_known()) return false;
       if (block_->has('P') && (block_->g_words[0] & letter_bit('P')) != 0) {
         if (!use('P')) return false;
         add(EventKind::g_code, block_->g_code(0), letter_bit('P'));
@@ -488,7 +490,7 @@ bool Control::set_system() {
 
   const int index = p == 0 ? frames_.active : further ? kFixedWorkOffsets - 1 + p : p - 1;
   Frames::System& system = frames_.systems[static_cast<std::size_t>(index)];
-  const Axes named = named_axes();
+  const Axes named = named_axes(*block_);
   if (l == 2 || further) {
     for (int i = 0; i < 3; ++i)
       if ((named >> i & 1) != 0) system.origin[i] = length_word(static_cast<char>('X' + i));
@@ -522,7 +524,7 @@ bool Control::set_system() {
 
 bool Control::set_g92(int code) {
   const Block& b = *block_;
-  const Axes named = named_axes();
+  const Axes named = named_axes(*block_);
   for (const char letter : {'X', 'Y', 'Z'})
     if (!use_optional(letter)) return false;
   if ((code == 920 || code == 520) && named == 0)
@@ -571,7 +573,7 @@ void Control::go_home(int code) {
   motion_.code = code;
   motion_.machine_words = false;
   motion_.incremental = incremental_;
-  motion_.named = named_axes();
+  motion_.named = named_axes(*block_);
   for (int i = 0; i < 3; ++i)
     motion_.words[i] = (motion_.named >> i & 1) != 0 ? length_word(static_cast<char>('X' + i)) : 0;
   motion_.tcp = tcp_;
@@ -584,7 +586,7 @@ void Control::go_home(int code) {
     motion_.turn_words[static_cast<std::size_t>(k)] = (*block_)[letter];
   }
   motion_.start = m_;
-  motion_.end = machine_of(frames_, target());
+  motion_.end = machine_of(frames_, led(*block_, u_));
   m_ = motion_.end;
   const bool all = motion_.named == 0 && (block_->words & kTurnLetters) == 0;
   m_.known &= all || tcp_ ? 0u : ~motion_.named;

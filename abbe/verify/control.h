@@ -32,6 +32,21 @@ class Control {
   [[nodiscard]] const Motion* motion() const { return moves_ ? &motion_ : nullptr; }
   [[nodiscard]] std::span<const Event> after() const { return {after_.data(), after_count_}; }
 
+  /// Where the axis words of a block lead from u (both with g92 in them), in the modes in force: u = word + g92, or
+  /// u + word in G91. Inline, so that coordinates stay in registers: stored one by one and loaded together they
+  /// would have to be waited for.
+  [[nodiscard]] Position led(const Block& block, const Position& u) const {
+    const auto coordinate = [&](int i, char letter) {
+      if (!block.has(letter)) return u.at[i];
+      const double word = block[letter] * unit_;
+      if (!incremental_) return word + frames_.g92[i];
+      return (u.known >> i & 1) != 0 ? u.at[i] + word : u.at[i];
+    };
+    return {Vec3(coordinate(0, 'X'), coordinate(1, 'Y'), coordinate(2, 'Z')),
+            incremental_ ? u.known : u.known | named_axes(block)};
+  }
+  [[nodiscard]] const Position& position() const { return u_; }  ///< u
+
   [[nodiscard]] const Frames& frames() const { return frames_; }
   [[nodiscard]] std::optional<int> tool() const { return tool_; }
   [[nodiscard]] const Profile& profile() const { return profile_; }
@@ -51,7 +66,6 @@ class Control {
   Event& add(EventKind kind, int code, Letters words = 0);
   void fill(Event& event, EventKind kind, int code, Letters words) const;
   [[nodiscard]] double length_word(char letter) const { return (*block_)[letter] * unit_; }
-  [[nodiscard]] Axes named_axes() const;
   bool frame_known();
 
   bool choose_motion();
@@ -71,7 +85,6 @@ class Control {
   bool arc_centre(const Vec3& start, const Vec3& end, int a, int b, Vec3& centre);
   bool canned_cycle();
   bool cycle_words(int axis);
-  [[nodiscard]] Position target() const;
   void begin_motion(MotionKind kind);
   void turn(int code);
   bool settle_numbers();

@@ -42,29 +42,13 @@ double angle_between(double a, double b, bool clockwise) {
 
 }  // namespace
 
-/// Where the axis words of the block (in motion_) lead: u = word + g92, or u + word in G91.
-Position Control::target() const {
-  Position u = u_;
-  for (int i = 0; i < 3; ++i) {
-    if ((motion_.named >> i & 1) == 0) continue;
-    const double word = motion_.words[i];
-    if (incremental_) {
-      if ((u.known >> i & 1) != 0) u.at[i] += word;
-    } else {
-      u.at[i] = word + frames_.g92[i];
-      u.known |= Axes{1} << i;
-    }
-  }
-  return u;
-}
-
 void Control::begin_motion(MotionKind kind) {
   moves_ = true;
   motion_.kind = kind;
   motion_.code = motion_code_;
   motion_.machine_words = false;
   motion_.incremental = incremental_;
-  motion_.named = named_axes();
+  motion_.named = named_axes(*block_);
   for (int i = 0; i < 3; ++i)
     motion_.words[i] = (motion_.named >> i & 1) != 0 ? length_word(axis_letter(i)) : 0;
   motion_.start = m_;
@@ -117,9 +101,10 @@ bool Control::straight() {
     u_ = program_of(frames_, m_);
     return true;
   }
-  u_ = target();
-  m_ = machine_of(frames_, u_);
-  motion_.end = m_;
+  const Position u = led(*block_, u_), m = machine_of(frames_, u);
+  u_ = u;
+  m_ = m;
+  motion_.end = m;
   return true;
 }
 
@@ -130,7 +115,7 @@ bool Control::arc() {
   if (motion_.turns())
     return refuse(1, "E-ROTARY", "a rotary axis turns along an arc", "how both motions are joined is not known",
                   "post such paths as lines");
-  const Position from = u_, to = target();
+  const Position from = u_, to = led(*block_, u_);
   motion_.end = machine_of(frames_, to);
   if (from.known != kAllAxes || to.known != kAllAxes) return true;  // refused by move()
 

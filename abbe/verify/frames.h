@@ -50,7 +50,12 @@ struct Position {
 };
 
 /// m = Rz(rotation) u + origin + tool_offset. A rotated X is known only together with Y.
-[[nodiscard]] Position machine_of(const Frames& frames, const Position& u);
+[[nodiscard]] Position machine_of_partly_known(const Frames& frames, const Position& u);
+[[nodiscard]] inline Position machine_of(const Frames& frames, const Position& u) {
+  const Frames::System& system = frames.system();
+  if (u.known != kAllAxes) return machine_of_partly_known(frames, u);
+  return {rotated_about_z(u.at, system.rotation) + system.origin + frames.tool_offset, kAllAxes};
+}
 
 /// The inverse: u = Rz(-rotation) (m - origin - tool_offset).
 [[nodiscard]] Position program_of(const Frames& frames, const Position& m);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "abbe/core/diagnostic.h"
@@ -26,6 +27,7 @@ class ProgramReader {
     bool skip_deletable = false;  ///< blocks with '/' are not executed
     bool report_skipped = false;  ///< ... but come as events, with their text
     const Rotary* rotary = nullptr;  ///< kept by the caller; null: rotary words are refused
+    bool looks_ahead = false;     ///< ahead() will be asked for
   };
   [[nodiscard]] static FileResult<ProgramReader> open(const std::string& path, const std::string& name,
                                                       const ControlSetup& setup, const Options& options);
@@ -40,6 +42,9 @@ class ProgramReader {
   [[nodiscard]] const Event& event() const;         ///< after Item::event, until the next call
   [[nodiscard]] const Motion& motion() const;       ///< after Item::motion, until the next call
   [[nodiscard]] const Diagnostic& refusal() const;  ///< after Item::refused
+
+  /// Where the next motions seem to end, axis commands, mm: whenever new lines were read, once; else nothing.
+  [[nodiscard]] std::span<const Vec3> ahead();
 
   [[nodiscard]] std::uint64_t line() const;  ///< of the current item, from 1
   [[nodiscard]] const std::string& name() const;
