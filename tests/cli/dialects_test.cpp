@@ -138,11 +138,11 @@ class PeersFail : public ::testing::TestWithParam<PeerInput> {};
 
 TEST_P(PeersFail, HereComesOutRightOrRefused) {
   const Folder folder;
-  // Z rises with X: 0.01 um per mm; no other error
-  folder.put("m.toml", "format = 1\n[machine]\nname = \"peers\"\nchain = \"w b X Y Z t\"\n[errors]\nEZX = { poly = [0, -10] }\n");
+  // Z rises with X: 0.5 um per mm; no other error
+  folder.put("m.toml", "format = 1\n[machine]\nname = \"peers\"\nchain = \"w b X Y Z t\"\n[errors]\nEZX = { poly = [0, -0.5] }\n");
   folder.put("p.ngc", GetParam().program);
   const auto run = run_abbe({"compensate", "m.toml", "p.ngc", "-o", "-", "--header", "none", "--datum", "ideal", "--offset", "G54=X0,Y0,Z0", "--dialect",
-                             GetParam().dialect, "--start", "X0,Y0,Z5", "--block-delete", "off", "--max-correction-um", "100000"},
+                             GetParam().dialect, "--start", "X0,Y0,Z5", "--block-delete", "off"},
                             {}, folder.path());
   EXPECT_EQ(run.exit, GetParam().exit) << run.err;
   EXPECT_THAT(run.exit == 0 ? run.out : run.err, HasSubstr(GetParam().expected)) << run.err;
@@ -152,24 +152,24 @@ INSTANTIATE_TEST_SUITE_P(
     Inputs, PeersFail,
     ::testing::Values(
         PeerInput{"machine_coordinates", "linuxcnc", "G0 X25\nG53 G0 Z0\nM2\n", 0, "\nG53 G0 Z0\n"},
-        PeerInput{"increments", "linuxcnc", "G91\nG1 X25 F100\nM2\n", 0, "G91\nG1 X25 F100 Z0.2500\n"},
-        PeerInput{"inverse_time", "linuxcnc", "G93 G1 X25 F2\nG94\nM2\n", 0, "G93 G1 X25 F2 Z5.2500\n"},
-        PeerInput{"units_in_the_block", "linuxcnc", "G20 G90 G0 X1\nM2\n", 0, "G20 G90 G0 X1 Z0.20685\n"},
+        PeerInput{"increments", "linuxcnc", "G91\nG1 X25 F100\nM2\n", 0, "G91\nG1 X25 F100 Z0.0125\n"},
+        PeerInput{"inverse_time", "linuxcnc", "G93 G1 X25 F2\nG94\nM2\n", 0, "G93 G1 X25 F2 Z5.0125\n"},
+        PeerInput{"units_in_the_block", "linuxcnc", "G20 G90 G0 X1\nM2\n", 0, "G20 G90 G0 X1 Z0.19735\n"},
         PeerInput{"further_axes", "linuxcnc", "G1 X30 A90 F50\nM2\n", 3, "p.ngc:1:8: error[E-ROTARY]"},
         PeerInput{"extruder", "linuxcnc", "G1 X30 E5 F50\nM2\n", 3, "p.ngc:1:8: error[E-WORD]"},
-        PeerInput{"block_delete", "linuxcnc", "/G1X25F10\nM2\n", 0, "/G1X25F10Z5.2500\n"},
-        PeerInput{"number_and_comment", "linuxcnc", "N10 G1X25F10 (move)\nM2\n", 0, "N10 G1X25F10 Z5.2500 (move)\n"},
-        PeerInput{"position_set", "linuxcnc", "G92X100\nG1X105F10\nM2\n", 0, "G1X105F10Z5.0500\n"},
+        PeerInput{"block_delete", "linuxcnc", "/G1X25F10\nM2\n", 0, "/G1X25F10Z5.0125\n"},
+        PeerInput{"number_and_comment", "linuxcnc", "N10 G1X25F10 (move)\nM2\n", 0, "N10 G1X25F10 Z5.0125 (move)\n"},
+        PeerInput{"position_set", "linuxcnc", "G92X100\nG1X105F10\nM2\n", 0, "G1X105F10Z5.0025\n"},
         PeerInput{"arc_by_centre", "grbl", "G2X20Y0I10J0F100\nM2\n", 0, "G2"},
         PeerInput{"holes", "linuxcnc", "G99 G81 X5 Y5 Z-2 R1 F50\nX9\nG80\nM2\n", 0, "\nX9"},
-        PeerInput{"frame_and_rapid", "linuxcnc", "G54 G0 X50\nG1 X55 F50\nM2\n", 0, "G54 G0 X50 Z5.5000\nG1 X55 F50 Z5.5500\n"},
-        PeerInput{"signs", "linuxcnc", "G0 X+1.0\nM2\n", 0, "G0 X+1.0 Z5.0100\n"},
+        PeerInput{"frame_and_rapid", "linuxcnc", "G54 G0 X50\nG1 X55 F50\nM2\n", 0, "G54 G0 X50 Z5.0250\nG1 X55 F50 Z5.0275\n"},
+        PeerInput{"signs", "linuxcnc", "G0 X+1.0\nM2\n", 0, "G0 X+1.0 Z5.0005\n"},
         PeerInput{"variables", "linuxcnc", "#100=5\nX#100\nM2\n", 3, "p.ngc:2:2: error[E-EXPR]"},
         PeerInput{"digits", "linuxcnc", "G0 X1.234567\nM2\n", 0, "X1.234567"},
         PeerInput{"tool_centre_point", "linuxcnc", "G43.4 H1\nM2\n", 3, "error[E-TCP]"},
         PeerInput{"cycle_without_cycles", "grbl", "G81 X5 Z-2 R1 F50\nX9\nM2\n", 3, "error[E-CYCLE]"},
         PeerInput{"rotation", "linuxcnc", "G68 X0 Y0 R45\nM2\n", 3, "p.ngc:1:1: error[E-FRAME]"},
-        PeerInput{"shear", "linuxcnc", "G1 X10 F50\nG1 Y100\nM2\n", 0, "G1 X10 F50 Z5.1000\nG1 Y100\n"}),
+        PeerInput{"shear", "linuxcnc", "G1 X10 F50\nG1 Y100\nM2\n", 0, "G1 X10 F50 Z5.0050\nG1 Y100\n"}),
     [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
