@@ -36,7 +36,7 @@ Frames frames_of(const ControlSetup& setup, const Profile& profile) {
   return frames;
 }
 
-Position machine_of_partly_known(const Frames& frames, const Position& u) {
+Position machine_of_any(const Frames& frames, const Position& u) {
   const Frames::System& system = frames.system();
   Position m;
   m.known = known_after_rotation(u.known, frames.rotation());

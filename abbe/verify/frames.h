@@ -50,10 +50,10 @@ struct Position {
 };
 
 /// m = Rz(rotation) u + origin + tool_offset. A rotated X is known only together with Y.
-[[nodiscard]] Position machine_of_partly_known(const Frames& frames, const Position& u);
+[[nodiscard]] Position machine_of_any(const Frames& frames, const Position& u);
 [[nodiscard]] inline Position machine_of(const Frames& frames, const Position& u) {
   const Frames::System& system = frames.system();
-  if (u.known != kAllAxes) return machine_of_partly_known(frames, u);
+  if (u.known != kAllAxes || frames.turn != 0) return machine_of_any(frames, u);
   return {rotated_about_z(u.at, system.rotation) + system.origin + frames.tool_offset, kAllAxes};
 }
 
