@@ -46,8 +46,7 @@ bool Rewriter::read_move(Move& move) {
     const auto active = static_cast<std::size_t>(frames.active());
     if (!frame_reported_[active]) {
       frame_reported_[active] = true;
-      const std::string name = active < 6 ? fmt::format("G{}", 54 + active) : fmt::format("G59.{}", active - 5);
-      refuse_block("E-WCS", fmt::format("the work offset {} is not known", name), "where on the machine the program runs, and so how large the errors are, depends on it",
+      refuse_block("E-WCS", fmt::format("the work offset {} is not known", work_offset_label(frames.active())), "where on the machine the program runs, and so how large the errors are, depends on it",
                    "give it: --offset G54=X..,Y..,Z.. (to about 1 mm), or the control's parameter file with --var");
     }
     return false;
@@ -246,12 +245,12 @@ void Rewriter::put_feed_share(double fraction, bool first, std::string* extra) {
   append_fixed(first ? edit_.replace(*f) : *extra, f->value / fraction, std::max<int>(f->decimals, 4));
 }
 
-// What ends or stops the program happens after the motion: on a split block after the last piece.
+// Codes that act when the motion is done stand on the last piece of a split block.
 void Rewriter::stops_to_last(bool first, std::string* extra) {
-  if (!instruction_.stops) return;
+  if (!instruction_.after) return;
   for (int i = 0; i < block_.count; ++i) {
     const Word& word = block_.words[static_cast<std::size_t>(i)];
-    if (word.letter != 'M' || !stops_after_motion(static_cast<int>(word.value))) continue;
+    if (!acts_after_motion(profile_, word)) continue;
     if (first) {
       edit_.remove(word);
     } else {
@@ -314,10 +313,7 @@ void Rewriter::write_pieces(const Move& move, const std::vector<Piece>& pieces, 
     if (!last && first) stops_to_last(true, nullptr);
     if (!first && last) stops_to_last(false, &extra);
     if (first || extra.empty()) continue;  // empty: the rounded end is where the last piece went
-    tail += block_.slash ? "/" : "";
-    tail += extra.substr(block_.slash ? 0 : 1);
-    tail += last ? eol_ : inner_eol;
-    ++report_.lines_out;
+    add_block(extra, last ? eol_ : inner_eol, tail);
     const double part = (piece.s1 - piece.s0) * length;
     if (report_.shortest_split == 0 || part < report_.shortest_split) report_.shortest_split = part;
   }

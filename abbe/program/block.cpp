@@ -107,11 +107,11 @@ std::string_view without_eol(std::string_view line) {
 
 namespace {
 
-std::optional<BlockError> read_words(std::string_view line, Block& block) {
+std::optional<BlockError> read_words(std::string_view line, Block& block, bool numbered_skip) {
   block.text = without_eol(line);
   block.eol = line.substr(block.text.size());
-  block.slash = block.percent = block.has_comment = false;
-  block.slash_end = block.words_end = 0;
+  block.slash = block.percent = block.has_comment = block.has_semicolon = false;
+  block.slash_begin = block.slash_end = block.words_end = 0;
   block.count = 0;
   const std::string_view text = block.text;
   if (text.size() > kMaxBlockBytes) {
@@ -128,8 +128,9 @@ std::optional<BlockError> read_words(std::string_view line, Block& block) {
   }
   if (at < text.size() && text[at] == '/') {
     block.slash = true;
-    block.slash_end = block.words_end = static_cast<std::uint16_t>(at + 1);
-    ++at;
+    block.slash_begin = static_cast<std::uint16_t>(at++);
+    if (numbered_skip && at < text.size() && text[at] >= '1' && text[at] <= '9') ++at;
+    block.slash_end = block.words_end = static_cast<std::uint16_t>(at);
   }
   while (at < text.size()) {
     const char c = text[at];
@@ -146,7 +147,7 @@ std::optional<BlockError> read_words(std::string_view line, Block& block) {
     if (at == text.size()) break;
     switch (kind_of(text[at])) {
       case Kind::semicolon:
-        block.has_comment = true;
+        block.has_comment = block.has_semicolon = true;
         return std::nullopt;
       case Kind::open: {
         const std::size_t close = text.find(')', at);
@@ -212,8 +213,8 @@ std::optional<BlockError> read_words(std::string_view line, Block& block) {
 
 }  // namespace
 
-std::optional<BlockError> read_block(std::string_view line, Block& block) {
-  std::optional<BlockError> error = read_words(line, block);
+std::optional<BlockError> read_block(std::string_view line, Block& block, bool numbered_skip) {
+  std::optional<BlockError> error = read_words(line, block, numbered_skip);
   if (!error || (error->code != std::string_view("E-NUMBER") && error->code != std::string_view("E-EXPR"))) return error;
   // O100 SUB, O<NAME> CALL: what is not a word belongs to the subprogram or loop.
   const std::string_view text = block.text;

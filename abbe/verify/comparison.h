@@ -91,6 +91,7 @@ class Comparison {
 
   /// Tip at the start of a motion: mostly where the last one ended, and then already known.
   [[nodiscard]] Vec3 start_tip(const Vec3& command);
+  [[nodiscard]] double half_digit() const;  ///< in the units in force, mm
   [[nodiscard]] double quantum() const;  ///< allowance for the digits of a point, mm
   double allowed_for(double quantisation);
   void follow(const Vec3& direction);  ///< approach after a motion in this direction
@@ -101,6 +102,7 @@ class Comparison {
   ProgramReader& original_;
   ProgramReader& output_;
   VerifyReport& report_;
+  double half_digit_mm_, half_digit_inch_;  ///< half of the last digit that the control resolves, mm
 
   bool stop_ = false;
   std::size_t disagreements_ = 0;

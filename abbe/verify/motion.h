@@ -44,6 +44,7 @@ struct Cycle {
   Vec3 step = Vec3::Zero();
   double dwell = 0;  ///< P, s
   double peck = 0;   ///< Q, mm
+  double aside = 0;  ///< Q of a fine bore, mm
 };
 
 /// One motion as the control executes it. Positions are points in machine coordinates, mm: axis commands of

@@ -52,7 +52,7 @@ void read_offsets(const std::vector<std::string>& arguments, double unit, Contro
     const std::size_t equals = argument.find('=');
     const auto index = work_offset_index(std::string_view(argument).substr(0, equals));
     if (equals == std::string::npos || !index) {
-      findings.push_back(option_error("--offset", fmt::format("'{}' does not begin with a work offset", argument), "write G54=X-120.5,Y40,Z-210 (G54 to G59.3)"));
+      findings.push_back(option_error("--offset", fmt::format("'{}' does not begin with a work offset", argument), "write G54=X-120.5,Y40,Z-210 (G54 to G59.3, G54.1P3, G154P3)"));
       continue;
     }
     const auto values = read_lettered("--offset", std::string_view(argument).substr(equals + 1), true, findings);
@@ -67,7 +67,8 @@ void read_offsets(const std::vector<std::string>& arguments, double unit, Contro
     }
     offset.rotation = values->rotation.value_or(0) * deg;
     offset.turns = values->turns;
-    setup.work_offsets[static_cast<std::size_t>(*index)] = offset;
+    if (*index < kFixedWorkOffsets) setup.work_offsets[static_cast<std::size_t>(*index)] = offset;
+    else setup.further_offsets[*index - kFixedWorkOffsets + 1] = offset;
   }
 }
 
@@ -117,7 +118,7 @@ std::string today() {
 
 void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) {
   add_common_options(verb, a.common, session);
-  verb.add_option("--dialect", a.dialect, "control the program is for")->check(CLI::IsMember({"linuxcnc"}))->capture_default_str();
+  add_profile_options(verb, a.profile);
   verb.add_option("--offset", a.offsets, "work offset in machine coordinates, e.g. G54=X-120.5,Y40,Z-210[,A0,C90][,R10] (repeatable)");
   verb.add_option("--var", a.parameters, "LinuxCNC parameter file: work offsets, in mm");
   verb.add_option("--tools", a.tools, "LinuxCNC tool table, in mm (gauge= in a comment gives the gauge length)");
@@ -141,6 +142,8 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, Se
   Diagnostics findings;
   ControlSetup setup;
   bool good = true;
+  const auto profile = load_profile(a.profile, session);
+  if (profile == nullptr) return std::nullopt;
   if (!a.parameters.empty()) {
     const auto text = text_of(a.parameters, session);
     good = text && take(read_parameter_file(a.parameters, *text), setup, session) && good;
@@ -159,6 +162,7 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, Se
       }
     }
   }
+  setup.profile = profile;
   setup.loaded_tool = a.tool;
   setup.tool_change_keeps_place = a.tool_change == "keeps";
   using BlockDelete = ControlSetup::BlockDelete;
