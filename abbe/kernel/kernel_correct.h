@@ -2,7 +2,7 @@
 // residual with the same Jacobian. See kernel_code.h for what may stand here.
 #pragma once
 
-#include "abbe/kernel/kernel_code.h"
+#include "abbe/kernel/kernel_single.h"
 
 namespace abbe::kernel {
 namespace {
@@ -10,6 +10,8 @@ namespace {
 /// |det| of the two direction columns below which the rotary axes turn the tool about one line, and of the
 /// three linear directions below which they do not span space.
 constexpr double kLeastTurn = 1e-6, kLeastVolume = 1e-2, kNoEffect = 1e-8;
+/// The same where single precision would show.
+constexpr float kLeastTurnSingle = 0.1f, kLeastVolumeSingle = 0.1f;
 /// What a radian of a rotary step counts in Kernel::correct_poses' `last`, mm.
 constexpr double kRadianLength = 300;
 constexpr double kNowhere[3] = {0, 0, 0};
@@ -25,34 +27,47 @@ struct FirstOrder {
 };
 
 template <class V>
+inline const Op<V>* first_order_steps(const FlatView& plan) {
+  if constexpr (sizeof(Number<V>) == sizeof(float)) {
+    return plan.first_order_single;
+  } else {
+    return plan.first_order;
+  }
+}
+
+template <class V>
 [[gnu::always_inline]] inline void walk_first_order(const FlatView& plan, const Setting& setting, State<V>& state, FirstOrder<V>& f) {
-  using Kind = FlatOp::Kind;
+  using Kind = FlatStep::Kind;
   // In registers as far as they go.
   Triple<V> p = broadcast<V>(kNowhere), dp = p, rotation = p, a = broadcast<V>(setting.axis);
   int seen[kMaxFlatAxes];
   int count = 0;
   for (std::uint32_t i = 0; i < plan.first_order_count; ++i) {
-    const FlatOp& op = plan.first_order[i];
+    const Op<V>& op = first_order_steps<V>(plan)[i];
     const bool free = op.axis >= 0 && (setting.free >> op.axis & 1) != 0;
     switch (op.kind) {
+      case Kind::tip:
+        p = p + broadcast<V>(state.tip);
+        break;
       case Kind::slide:
-        p = p + broadcast<V>(op.u) * state.q[op.axis];
+        slide(op, state, p);
         if (free) {
           f.position[op.axis] = broadcast<V>(op.u);
           seen[count++] = op.axis;
         }
         break;
       case Kind::turn: {
-        const Turn<V> turn(op, state.q[op.axis]);
-        p = turn(p);
-        a = turn(a);
-        dp = turn(dp);
-        rotation = turn(rotation);
-        for (int k = 0; k < count; ++k) {
-          const int axis = seen[k];
-          f.position[axis] = turn(f.position[axis]);
-          if ((plan.rotary >> axis & 1) != 0) f.direction[axis] = turn(f.direction[axis]);
-        }
+        with_turn(op, state, [&](const auto& turn) __attribute__((always_inline)) {
+          p = turn(p);
+          a = turn(a);
+          dp = turn(dp);
+          rotation = turn(rotation);
+          for (int k = 0; k < count; ++k) {
+            const int axis = seen[k];
+            f.position[axis] = turn(f.position[axis]);
+            if ((plan.rotary >> axis & 1) != 0) f.direction[axis] = turn(f.direction[axis]);
+          }
+        });
         if (free) {
           const Triple<V> u = broadcast<V>(op.u);
           f.position[op.axis] = cross(u, p);
@@ -76,9 +91,8 @@ template <class V>
         rotation = rotation + e;
         break;
       }
-      default:
-        step<V, false>(plan, op, state, p, a);
-        continue;
+      default:  // no other steps are of first order
+        break;
     }
     if (op.moves_on) p = p + broadcast<V>(op.t);
   }
@@ -111,49 +125,62 @@ inline FreeAxes free_axes_of(const FlatView& plan, const Setting& setting) {
 /// then the position (docs/theory/correction.md, equations 3 to 6).
 template <class V>
 struct Solver {
+  static constexpr bool kIsSingle = sizeof(Number<V>) == sizeof(float);
+  static constexpr Number<V> kTurn = kIsSingle ? kLeastTurnSingle : static_cast<Number<V>>(kLeastTurn),
+                             kVolume = kIsSingle ? kLeastVolumeSingle : static_cast<Number<V>>(kLeastVolume);
   const FreeAxes& axes;
   const FirstOrder<V>& f;
   Triple<V> turn_rows[2], move_rows[3];
   unsigned unusual = 0;
 
   Solver(const FreeAxes& free, const FirstOrder<V>& first_order) : axes(free), f(first_order) {
+    constexpr Number<V> one = 1;
     if (axes.rotary_count == 2) {
       // x = -a.(r x c1) / det, y = -a.(c0 x r) / det with det = a.(c0 x c1)
       const Triple<V>&c0 = f.direction[axes.rotary[0]], &c1 = f.direction[axes.rotary[1]];
       const V det = dot(f.a, cross(c0, c1));
-      const V inverse = 1.0 / det;
-      unusual |= lanes_within(det, kLeastTurn);
+      const V inverse = one / det;
+      unusual |= lanes_within(det, kTurn);
       turn_rows[0] = cross(c1, f.a) * inverse;
       turn_rows[1] = cross(f.a, c0) * inverse;
     } else if (axes.rotary_count == 1) {
       const Triple<V>& c = f.direction[axes.rotary[0]];
-      // An axis parallel to the tool turns it about itself: it rests.
-      V square = dot(c, c);
-      const unsigned idle = lanes_within(square, kNoEffect * kNoEffect);
-      for (int i = 0; idle != 0 && i < lanes_of<V>; ++i)
-        if ((idle >> i & 1) != 0) set_lane(square, i, __builtin_inf());
-      turn_rows[0] = c * (1.0 / square);
+      turn_rows[0] = c * (one / square_of(c));
     }
     const Triple<V>&a = f.position[axes.linear[0]], &b = f.position[axes.linear[1]],
           &c = f.position[axes.linear[2]];
     const Triple<V> bc = cross(b, c);
     const V volume = dot(a, bc);
-    const V inverse = 1.0 / volume;
-    unusual |= lanes_within(volume, kLeastVolume);
+    const V inverse = one / volume;
+    unusual |= lanes_within(volume, kVolume);
     move_rows[0] = bc * inverse;
     move_rows[1] = cross(c, a) * inverse;
     move_rows[2] = cross(a, b) * inverse;
   }
 
+  /// |c|^2; infinite where the axis is parallel to the tool and turns it about itself: there it rests.
+  V square_of(const Triple<V>& c) {
+    V square = dot(c, c);
+    if constexpr (kIsSingle) {
+      unusual |= lanes_within(square, kTurn * kTurn);
+    } else {
+      const unsigned idle = lanes_within(square, kNoEffect * kNoEffect);
+      for (int i = 0; idle != 0 && i < lanes_of<V>; ++i)
+        if ((idle >> i & 1) != 0) set_lane(square, i, __builtin_inf());
+    }
+    return square;
+  }
+
   /// q := q + dq that removes the residual; returns |dq|.
   V step(Triple<V> position, const Triple<V>& direction, V* q) const {
+    constexpr auto kRadianSquare = static_cast<Number<V>>(kRadianLength * kRadianLength);
     V square{};
     for (int i = 0; i < axes.rotary_count; ++i) {
       const int axis = axes.rotary[i];
       const V dq = -dot(turn_rows[i], direction);
       q[axis] = q[axis] + dq;
       position = position + f.position[axis] * dq;
-      square = square + dq * dq * (kRadianLength * kRadianLength);
+      square = square + dq * dq * kRadianSquare;
     }
     for (int i = 0; i < 3; ++i) {
       const V dq = -dot(move_rows[i], position);
@@ -199,6 +226,43 @@ void correct_packet(const FlatView& plan, const Setting& setting, const FreeAxes
     if ((unusual >> i & 1) != 0) flag |= Lane::unusual;
   }
 }
+
+#if defined(ABBE_KERNEL_HAS_SINGLES)
+/// The first-order correction of kSingles poses from `first` on in single precision. False, and nothing is written,
+/// where it would show, and for every pose that is not ordinary.
+inline bool correct_singles(const FlatView& plan, const Setting& setting, const FreeAxes& axes,
+                            const double* const* q, std::size_t first, double* const* corrected, double* last) {
+  State<Single> state;
+  state.tip = setting.tip;
+  state.axis = setting.axis;
+  state.approach = setting.approach;
+  unsigned refused = 0;
+  for (int i = 0; i < plan.axis_count; ++i) {
+    state.commands[i] = q[i] + first;
+    state.q[i] = rounded(load_commands(state.commands[i]));
+    refused |= lanes_outside(state.q[i], -1e5f, 1e5f);
+  }
+  FirstOrder<Single> f;
+  walk_first_order(plan, setting, state, f);
+  const Solver<Single> solver(axes, f);
+  Single change[kMaxFlatAxes];
+  for (int i = 0; i < plan.axis_count; ++i) change[i] = Single{};
+  const Single size = solver.step(f.dp - broadcast<Single>(setting.shift), cross(f.e, f.a), change);
+  refused |= solver.unusual | lanes_outside(size, 0.0f, static_cast<float>(kMostStep));
+  const auto most = static_cast<float>(setting.max_rotary * (1 - 1e-6));
+  for (int i = 0; i < axes.rotary_count; ++i) refused |= lanes_outside(change[axes.rotary[i]], -most, most);
+  if (state.refused || refused != 0) return false;
+  for (int i = 0; i < plan.axis_count; ++i) {
+    Commands commands = load_commands(state.commands[i]);
+    add(commands, change[i]);
+    store_commands(corrected[i] + first, commands);
+  }
+  Commands sizes = {};
+  add(sizes, size);
+  store_commands(last + first, sizes);
+  return true;
+}
+#endif
 
 }  // namespace
 }  // namespace abbe::kernel
