@@ -344,12 +344,21 @@ template <class V, bool Axis>
   if (op.moves_on) p = p + broadcast<V>(op.t);
 }
 
+/// Steps of a walk, one after the other: without errors if they are those of first order, whose twists only the
+/// first-order walk heeds.
 template <class V, bool Axis>
-void walk_actual(const FlatView& plan, State<V>& state, Triple<V>& p, Triple<V>& a) {
+void walk(const FlatView& plan, const FlatOp* steps, std::uint32_t count, State<V>& state, Triple<V>& p, Triple<V>& a) {
   p = Triple<V>{};
   if (Axis) a = broadcast<V>(state.axis);
-  for (std::uint32_t i = 0; i < plan.actual_count; ++i)
-    step<V, Axis>(plan, plan.actual[i], state, p, a);
+  for (std::uint32_t i = 0; i < count; ++i) step<V, Axis>(plan, steps[i], state, p, a);
+}
+template <class V, bool Axis>
+void walk_actual(const FlatView& plan, State<V>& state, Triple<V>& p, Triple<V>& a) {
+  walk<V, Axis>(plan, plan.actual, plan.actual_count, state, p, a);
+}
+template <class V>
+void walk_nominal(const FlatView& plan, State<V>& state, Triple<V>& p, Triple<V>& a) {
+  walk<V, true>(plan, plan.first_order, plan.first_order_count, state, p, a);
 }
 
 }  // namespace

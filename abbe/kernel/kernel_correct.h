@@ -2,7 +2,7 @@
 // residual with the same Jacobian. See kernel_code.h for what may stand here.
 #pragma once
 
-#include "abbe/kernel/kernel_single.h"
+#include "abbe/kernel/kernel_code.h"
 
 namespace abbe::kernel {
 namespace {
@@ -226,43 +226,6 @@ void correct_packet(const FlatView& plan, const Setting& setting, const FreeAxes
     if ((unusual >> i & 1) != 0) flag |= Lane::unusual;
   }
 }
-
-#if defined(ABBE_KERNEL_HAS_SINGLES)
-/// The first-order correction of kSingles poses from `first` on in single precision. False, and nothing is written,
-/// where it would show, and for every pose that is not ordinary.
-inline bool correct_singles(const FlatView& plan, const Setting& setting, const FreeAxes& axes,
-                            const double* const* q, std::size_t first, double* const* corrected, double* last) {
-  State<Single> state;
-  state.tip = setting.tip;
-  state.axis = setting.axis;
-  state.approach = setting.approach;
-  unsigned refused = 0;
-  for (int i = 0; i < plan.axis_count; ++i) {
-    state.commands[i] = q[i] + first;
-    state.q[i] = rounded(load_commands(state.commands[i]));
-    refused |= lanes_outside(state.q[i], -1e5f, 1e5f);
-  }
-  FirstOrder<Single> f;
-  walk_first_order(plan, setting, state, f);
-  const Solver<Single> solver(axes, f);
-  Single change[kMaxFlatAxes];
-  for (int i = 0; i < plan.axis_count; ++i) change[i] = Single{};
-  const Single size = solver.step(f.dp - broadcast<Single>(setting.shift), cross(f.e, f.a), change);
-  refused |= solver.unusual | lanes_outside(size, 0.0f, static_cast<float>(kMostStep));
-  const auto most = static_cast<float>(setting.max_rotary * (1 - 1e-6));
-  for (int i = 0; i < axes.rotary_count; ++i) refused |= lanes_outside(change[axes.rotary[i]], -most, most);
-  if (state.refused || refused != 0) return false;
-  for (int i = 0; i < plan.axis_count; ++i) {
-    Commands commands = load_commands(state.commands[i]);
-    add(commands, change[i]);
-    store_commands(corrected[i] + first, commands);
-  }
-  Commands sizes = {};
-  add(sizes, size);
-  store_commands(last + first, sizes);
-  return true;
-}
-#endif
 
 }  // namespace
 }  // namespace abbe::kernel
