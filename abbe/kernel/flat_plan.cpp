@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "abbe/chain/plan_impl.h"
 #include "abbe/chain/walk.h"
-#include "abbe/kernel/flat_windows.h"
+#include "abbe/kernel/single_steps.h"
 
 namespace abbe::kernel {
 namespace {
@@ -111,17 +112,6 @@ class TwistFolder {
   const Plan::Impl& plan_;
 };
 
-/// The same step in single precision.
-[[nodiscard]] FlatOpOf<float> single(const FlatOp& op) {
-  const auto round = [](double x) { return static_cast<float>(x); };
-  FlatOpOf<float> out;
-  static_cast<FlatStep&>(out) = op;
-  std::transform(std::begin(op.u), std::end(op.u), out.u, round);
-  std::transform(std::begin(op.t), std::end(op.t), out.t, round);
-  std::transform(std::begin(op.a), std::end(op.a), out.a, round);
-  return out;
-}
-
 static_assert(static_cast<int>(FlatOp::Kind::twist) == static_cast<int>(Op::Kind::twist));
 static_assert(static_cast<int>(FlatOp::Kind::rigid) == static_cast<int>(Op::Kind::rigid));
 static_assert(static_cast<int>(Part::along) == 1 && static_cast<int>(Part::across) == 2);
@@ -130,13 +120,12 @@ static_assert(static_cast<int>(Part::along) == 1 && static_cast<int>(Part::acros
 
 struct FlatPlan::Data {
   std::vector<FlatOp> actual, first_order;
-  std::vector<FlatOpOf<float>> first_order_single;
+  SingleSteps single;
   std::vector<FlatGroup> groups;
   std::vector<FlatTable> tables;
   std::vector<Wave> waves;
   std::vector<double> knots;
   std::vector<Row> rows;
-  std::vector<std::vector<WindowRow>> windows;  ///< by table
   std::vector<std::uint32_t> buckets;
 };
 
@@ -185,9 +174,6 @@ std::shared_ptr<const FlatPlan> FlatPlan::make(const Plan& plan) {
     to.axis = table.axis;
     to.direction = table.direction;
     to.direction_axis = table.direction_axis;
-    data.windows.push_back(windows_of(to));
-    to.windows = data.windows.back().front().value;
-    to.window_size = (sizeof(WindowHead) + sizeof(WindowRow) * kComponents * to.row_count) / sizeof(float);
   }
   for (const Group& group : impl.groups) {
     FlatGroup& to = data.groups.emplace_back();
@@ -208,12 +194,19 @@ std::shared_ptr<const FlatPlan> FlatPlan::make(const Plan& plan) {
     }
   }
 
-  for (const FlatOp& op : data.first_order) data.first_order_single.push_back(single(op));
+  data.single = single_steps(data.first_order);
+  for (const FlatOp& op : data.first_order) {
+    if (op.group < 0 || op.table != nullptr) continue;
+    const FlatGroup& group = data.groups[static_cast<std::size_t>(op.group)];
+    for (FlatTable& table : std::span(data.tables).subspan(static_cast<std::size_t>(group.tables - data.tables.data()), group.table_count))
+      if (table.windows == nullptr) give_windows(table, data.single.windows);
+  }
 
   FlatView& view = out->view_;
   view.actual = data.actual.data();
   view.first_order = data.first_order.data();
-  view.first_order_single = data.first_order_single.data();
+  view.single = data.single.steps.data();
+  view.single_count = static_cast<std::uint32_t>(data.single.steps.size());
   view.actual_count = static_cast<std::uint32_t>(data.actual.size());
   view.first_order_count = static_cast<std::uint32_t>(data.first_order.size());
   view.groups = data.groups.data();

@@ -77,8 +77,8 @@ using FlatOp = FlatOpOf<double>;
 /// A compiled machine as pointers: what abbe::Plan holds, laid out for kernels. Owned by FlatPlan.
 struct FlatView {
   const FlatOp *actual = nullptr, *first_order = nullptr;
-  const FlatOpOf<float>* first_order_single = nullptr;  ///< the same steps as first_order
-  std::uint32_t actual_count = 0, first_order_count = 0;
+  const FlatOpOf<float>* single = nullptr;  ///< the first-order walk in single precision
+  std::uint32_t actual_count = 0, first_order_count = 0, single_count = 0;
   const FlatGroup* groups = nullptr;
   int axis_count = 0;
   std::uint32_t rotary = 0;  ///< bit i: moving axis i is rotary

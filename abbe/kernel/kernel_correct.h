@@ -26,56 +26,39 @@ struct FirstOrder {
   Triple<V> position[kMaxFlatAxes], direction[kMaxFlatAxes];
 };
 
+/// The walk that finds a FirstOrder, step by step.
 template <class V>
-inline const Op<V>* first_order_steps(const FlatView& plan) {
-  if constexpr (sizeof(Number<V>) == sizeof(float)) {
-    return plan.first_order_single;
-  } else {
-    return plan.first_order;
-  }
-}
-
-template <class V>
-[[gnu::always_inline]] inline void walk_first_order(const FlatView& plan, const Setting& setting, State<V>& state, FirstOrder<V>& f) {
-  using Kind = FlatStep::Kind;
+struct FirstOrderWalk {
+  const FlatView& plan;
+  const Setting& setting;
+  State<V>& state;
+  FirstOrder<V>& f;
   // In registers as far as they go.
-  Triple<V> p = broadcast<V>(kNowhere), dp = p, rotation = p, a = broadcast<V>(setting.axis);
-  int seen[kMaxFlatAxes];
+  Triple<V> p, a, dp, rotation;
+  int seen[kMaxFlatAxes];  ///< free axes met so far
   int count = 0;
-  for (std::uint32_t i = 0; i < plan.first_order_count; ++i) {
-    const Op<V>& op = first_order_steps<V>(plan)[i];
-    const bool free = op.axis >= 0 && (setting.free >> op.axis & 1) != 0;
+
+  [[gnu::always_inline]] FirstOrderWalk(const FlatView& of, const Setting& by, State<V>& at, FirstOrder<V>& to)
+      : plan(of), setting(by), state(at), f(to) {
+    p = dp = rotation = broadcast<V>(kNowhere);
+    a = broadcast<V>(setting.axis);
+  }
+
+  [[gnu::always_inline]] void take(const Op<V>& op) {
+    using Kind = FlatStep::Kind;
     switch (op.kind) {
       case Kind::tip:
         p = p + broadcast<V>(state.tip);
         break;
       case Kind::slide:
         slide(op, state, p);
-        if (free) {
-          f.position[op.axis] = broadcast<V>(op.u);
-          seen[count++] = op.axis;
-        }
+        if (!is_free(op)) break;
+        f.position[op.axis] = broadcast<V>(op.u);
+        seen[count++] = op.axis;
         break;
-      case Kind::turn: {
-        with_turn(op, state, [&](const auto& turn) __attribute__((always_inline)) {
-          p = turn(p);
-          a = turn(a);
-          dp = turn(dp);
-          rotation = turn(rotation);
-          for (int k = 0; k < count; ++k) {
-            const int axis = seen[k];
-            f.position[axis] = turn(f.position[axis]);
-            if ((plan.rotary >> axis & 1) != 0) f.direction[axis] = turn(f.direction[axis]);
-          }
-        });
-        if (free) {
-          const Triple<V> u = broadcast<V>(op.u);
-          f.position[op.axis] = cross(u, p);
-          f.direction[op.axis] = cross(u, a);
-          seen[count++] = op.axis;
-        }
+      case Kind::turn:
+        turn(op);
         break;
-      }
       case Kind::twist: {
         Triple<V> d, e;
         evaluate(plan, op, state, d, e);
@@ -96,10 +79,47 @@ template <class V>
     }
     if (op.moves_on) p = p + broadcast<V>(op.t);
   }
-  f.p = p;
-  f.a = a;
-  f.dp = dp;
-  f.e = rotation;
+
+  [[gnu::always_inline]] void finish() {
+    f.p = p;
+    f.a = a;
+    f.dp = dp;
+    f.e = rotation;
+  }
+
+ private:
+  [[nodiscard]] bool is_free(const Op<V>& op) const { return (setting.free >> op.axis & 1) != 0; }
+
+  [[gnu::always_inline]] void turn(const Op<V>& op) {
+    with_turn(op, state, [&](const auto& turned) __attribute__((always_inline)) {
+      p = turned(p);
+      a = turned(a);
+      dp = turned(dp);
+      rotation = turned(rotation);
+      for (int k = 0; k < count; ++k) {
+        const int axis = seen[k];
+        f.position[axis] = turned(f.position[axis]);
+        if ((plan.rotary >> axis & 1) != 0) f.direction[axis] = turned(f.direction[axis]);
+      }
+    });
+    if (!is_free(op)) return;
+    const Triple<V> u = broadcast<V>(op.u);
+    f.position[op.axis] = cross(u, p);
+    f.direction[op.axis] = cross(u, a);
+    seen[count++] = op.axis;
+  }
+};
+
+template <class V>
+[[gnu::always_inline]] inline void walk_first_order(const FlatView& plan, const Setting& setting, State<V>& state,
+                                                    FirstOrder<V>& f) {
+  FirstOrderWalk<V> walk(plan, setting, state, f);
+  if constexpr (sizeof(Number<V>) == sizeof(float)) {
+    for (std::uint32_t i = 0; i < plan.single_count; ++i) walk.take(plan.single[i]);
+  } else {
+    for (std::uint32_t i = 0; i < plan.first_order_count; ++i) walk.take(plan.first_order[i]);
+  }
+  walk.finish();
 }
 
 /// The free axes, sorted: three linear ones and up to two rotary ones.

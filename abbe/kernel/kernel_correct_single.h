@@ -46,9 +46,11 @@ inline Triple<Single> difference(const Poses& a, const Poses& b, int k, const do
 }
 
 /// The corrections of kSingles poses from `first` on. False, and nothing is written, where single precision would
-/// show, and for every pose that is not ordinary.
-inline bool correct_singles(const FlatView& plan, const Setting& setting, const FreeAxes& axes,
-                            const double* const* q, std::size_t first, double* const* corrected, double* last) {
+/// show, and for every pose that is not ordinary. `walk`: walk_first_order, or what does the same.
+template <class Walk>
+[[gnu::always_inline]] inline bool correct_singles(const FlatView& plan, const Setting& setting, const FreeAxes& axes,
+                                                   const double* const* q, std::size_t first, double* const* corrected,
+                                                   double* last, const Walk& walk) {
   State<Single> state;
   state.tip = setting.tip;
   state.axis = setting.axis;
@@ -63,7 +65,7 @@ inline bool correct_singles(const FlatView& plan, const Setting& setting, const 
     refused |= lanes_outside(state.q[i], -kMostCommand, kMostCommand);
   }
   FirstOrder<Single> f;
-  walk_first_order(plan, setting, state, f);
+  walk(plan, setting, state, f);
   const Solver<Single> solver(axes, f);
   refused |= solver.unusual;
 

@@ -29,7 +29,7 @@ void correct_poses(const FlatView& plan, const Setting& setting, const double* c
   const bool in_singles = setting.exact_steps == 0 || axes.rotary_count != 1;
   for (; in_singles && i + kSingles <= count; i += kSingles) {
     if (wait == 0) {
-      if (correct_singles(plan, setting, axes, q, i, corrected, last)) {
+      if (correct_singles(plan, setting, axes, q, i, corrected, last, walk_first_order<Single>)) {
         pause = 0;
         continue;
       }
