@@ -16,14 +16,15 @@ inline constexpr std::size_t kRow = 8;
 /// Segments of a window (FlatTable::windows), and how many segments the next window begins later.
 inline constexpr std::uint32_t kWindow = 8, kWindowStep = 4;
 
-/// A window of a table in single precision: kWindow neighbouring segments, each number of all of them side by
-/// side, so that one permutation gives every pose the number of its own segment. Positions count from the origin of
-/// the window's first segment. `rows` times kComponents times kWindow coefficients follow, highest power first.
-struct alignas(32) WindowHead {
-  float begin[kWindow];   ///< of the segment; infinite: the window is not for use
-  float end[kWindow];     ///< where it ends, or where single precision or a held error ends it
-  float origin[kWindow];
-};
+// A window of a table in single precision: kWindow neighbouring segments, each number of all of them side by side, so
+// that one permutation gives every pose the number of its own segment. Positions x count from the origin of the window's
+// first segment and are in the window if begin[0] <= x < end. It is an array of rows of kWindow numbers:
+//   begin     of the segments; infinite where there is none, all if the window is not for use
+//   origin    of their polynomials
+//   limits    end; segments per unit if they are equally wide (x is in number x * per_unit), else 0; no more
+//   then      the coefficients, highest power first, of each power one row per component
+inline constexpr std::size_t kBeginRow = 0, kOriginRow = kWindow, kEndNumber = 2 * kWindow,
+                             kPerUnitNumber = kEndNumber + 1, kFirstCoefficient = 3 * kWindow;
 
 /// abbe::AxisTable with its numbers at hand.
 struct FlatTable {
@@ -31,7 +32,7 @@ struct FlatTable {
   const double* rows = nullptr;   ///< kRow doubles each, 64-byte aligned
   const std::uint32_t* buckets = nullptr;
   const Wave* waves = nullptr;
-  const float* windows = nullptr;  ///< window_size floats each: a WindowHead and its coefficients
+  const float* windows = nullptr;  ///< window_size floats each, on 32-byte boundaries
   std::size_t window_size = 0;
   double bucket_lo = 0, buckets_per_unit = 0, most_bucket = 0;
   double lo = 0, hi = 0;  ///< infinite if nothing is held

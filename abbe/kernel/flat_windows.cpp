@@ -12,6 +12,8 @@ constexpr double kUnit = 0x1p-24;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 /// How far beyond its last knot a table is used at most, mm or rad; halved until the bound holds.
 constexpr double kMostReach = 0x1p14, kLeastReach = 0x1p-10;
+/// Widths that differ by less than this part are equal: a knot missed by it is missed by rounding of positions, too.
+constexpr double kSameWidth = 0x1p-22;
 /// A step below this part of the bounds is rounding of splines and of tabulated sines.
 constexpr double kNoStep = 0.5;
 
@@ -31,16 +33,14 @@ class Window {
   }
 
   void append_to(std::vector<WindowRow>& rows) const {
-    WindowHead head{};
+    WindowRow begins, origins, limits;
     for (std::uint32_t k = 0; k < kWindow; ++k) {
-      const bool used = usable_ && k < count_;
-      head.begin[k] = used ? begin_number(k) : kNever;
-      head.end[k] = used ? static_cast<float>(end(k) - base_) : -kNever;
-      head.origin[k] = k < count_ ? static_cast<float>(origin(k) - base_) : 0.0f;
+      begins.value[k] = usable_ && k < count_ ? begin_number(k) : kNever;
+      origins.value[k] = k < count_ ? static_cast<float>(origin(k) - base_) : 0.0f;
     }
-    for (const auto& numbers : {head.begin, head.end, head.origin}) {
-      std::copy_n(numbers, kWindow, rows.emplace_back().value);
-    }
+    limits.value[kEndNumber % kWindow] = usable_ ? static_cast<float>(end(count_ - 1) - base_) : -kNever;
+    limits.value[kPerUnitNumber % kWindow] = segments_per_unit();
+    rows.insert(rows.end(), {begins, origins, limits});
     for (std::uint32_t row = 0; row < table_.row_count; ++row) {
       for (int component = 0; component < kComponents; ++component) {
         WindowRow& numbers = rows.emplace_back();
@@ -65,6 +65,18 @@ class Window {
     const double exact = begin(k) - base_;
     const auto number = static_cast<float>(exact);
     return begin(k) == lo_ && exact != 0 ? std::nextafter(number, kNever) : number;
+  }
+  /// Rounded down by so much that no x < end is in a segment behind the last one.
+  [[nodiscard]] float segments_per_unit() const {
+    const double width = end(0) - begin(0);
+    if (!(width > 0)) return 0;
+    for (std::uint32_t k = 0; k < count_; ++k) {
+      const double limit = kSameWidth * width;
+      const bool same = std::abs(begin(k) - base_ - k * width) <= limit && std::abs(origin(k) - begin(k)) <= limit &&
+                        std::abs(end(k) - base_ - (k + 1) * width) <= limit;
+      if (!same) return 0;
+    }
+    return static_cast<float>((1 - 2 * kSameWidth) / width);
   }
   [[nodiscard]] double coefficient(std::uint32_t k, std::uint32_t power, int component) const {
     const std::size_t row = static_cast<std::size_t>(first_ + k) * table_.row_count + (table_.row_count - 1 - power);

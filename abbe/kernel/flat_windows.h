@@ -15,7 +15,7 @@ struct alignas(32) WindowRow {
 /// sizes sum |c_k| h^k.
 inline constexpr double kSingleMm = 1e-8, kSingleRad = 3e-11, kSinglePart = 4e-6;
 
-/// A table's windows in single precision, one behind the other, every kWindowStep segments; see WindowHead.
+/// A table's windows in single precision, one behind the other, every kWindowStep segments; see kBeginRow.
 ///
 /// For one segment's polynomial of degree n at a distance of at most h from its origin, and of at most s from the
 /// window's, single precision (u = 2^-24) misses at most

@@ -50,11 +50,12 @@ inline Triple<Single> difference(const Poses& a, const Poses& b, int k, const do
 template <class Walk>
 [[gnu::always_inline]] inline bool correct_singles(const FlatView& plan, const Setting& setting, const FreeAxes& axes,
                                                    const double* const* q, std::size_t first, double* const* corrected,
-                                                   double* last, const Walk& walk) {
+                                                   double* last, Place* places, const Walk& walk) {
   State<Single> state;
   state.tip = setting.tip;
   state.axis = setting.axis;
   state.approach = setting.approach;
+  state.places = places;
   Commands commands[kMaxFlatAxes];
   Single change[kMaxFlatAxes], turned[2] = {};
   unsigned refused = 0;

@@ -53,6 +53,14 @@ inline void add(Commands& q, const Single& dq) {
   q.second = q.second + __builtin_convertvector(b, Half);
 }
 
+/// Where a walk found a table's window last time: the next packet is mostly there, too.
+struct Place {
+  const FlatTable* table = nullptr;
+  const float* window = nullptr;
+  double base = 0;  ///< position of its zero
+};
+constexpr unsigned kPlaces = 32;
+
 /// As for other packets. Outside of what single precision is good for the packet is `refused`.
 template <>
 struct State<Single> {
@@ -60,6 +68,8 @@ struct State<Single> {
   const double* commands[kMaxFlatAxes];  ///< kSingles of them
   const double *tip = nullptr, *axis = nullptr;
   const signed char* approach = nullptr;
+  Place* places = nullptr;  ///< kPlaces, by the order of tables in the walk
+  unsigned visits = 0;
   bool refused = false;
 };
 
@@ -72,29 +82,47 @@ inline Single chosen(const float* eight, const SingleMask& index) {
 #endif
 }
 
+/// Positions from the place's zero on, and whether all are in its window.
+inline bool are_in_window(const Place& place, const double* q, Single& x) {
+  const Commands commands = load_commands(q);
+  x = rounded({commands.first - place.base, commands.second - place.base});
+  return bits_of((x >= place.window[kBeginRow]) & (x < place.window[kEndNumber])) == kAllLanes<Single>;
+}
+
+/// The window of the first and the last pose.
+[[gnu::noinline]] inline void find_window(const FlatTable& table, const double* q, Place& place) {
+  const double turns =
+      table.period > 0 ? table.period * __builtin_floor((q[0] - table.period_lo) / table.period) : 0.0;
+  const std::uint32_t first = segment_of(table, q[0] - turns), last = segment_of(table, q[kSingles - 1] - turns);
+  const std::uint32_t window = (first < last ? first : last) / kWindowStep;
+  place = {&table, table.windows + window * table.window_size, table.knots[window * kWindowStep] + turns};
+}
+
+/// Each lane's segment in the window.
+inline SingleMask segments_of(const float* window, const Single& x) {
+  const float per_unit = window[kPerUnitNumber];
+  if (per_unit > 0) return __builtin_convertvector(x * per_unit, SingleMask);
+  SingleMask index = {};
+  for (std::uint32_t k = 1; k < kWindow; ++k) index -= x >= window[kBeginRow + k];
+  return index;
+}
+
 /// As in other packets, from a window of the table.
 [[gnu::always_inline]] inline void read_table(const FlatTable& table, State<Single>& state, Single* six) {
   const double* const q = state.commands[table.axis];
-  const double turns =
-      table.period > 0 ? table.period * __builtin_floor((q[0] - table.period_lo) / table.period) : 0.0;
-  const std::uint32_t s0 = segment_of(table, q[0] - turns), s1 = segment_of(table, q[kSingles - 1] - turns);
-  const std::uint32_t window = (s0 < s1 ? s0 : s1) / kWindowStep;
-  const std::uint32_t from = (s0 < s1 ? s0 : s1) - window * kWindowStep;
-  const std::uint32_t to = (s0 < s1 ? s1 : s0) - window * kWindowStep;
-  const float* numbers = table.windows + window * table.window_size;
-  const float *const begin = numbers, *const end = begin + kWindow, *const origin = end + kWindow;
-  const double base = table.knots[window * kWindowStep] + turns;
-  const Commands commands = load_commands(q);
-  const Single x = rounded({commands.first - base, commands.second - base});
-  if (to >= kWindow || bits_of((x >= begin[from]) & (x < end[to])) != kAllLanes<Single>) {
-    state.refused = true;
-    for (int k = 0; k < kComponents; ++k) six[k] = Single{};
-    return;
+  Place& place = state.places[state.visits++ % kPlaces];
+  Single x;
+  if (place.table != &table || !are_in_window(place, q, x)) {
+    find_window(table, q, place);
+    if (!are_in_window(place, q, x)) {
+      state.refused = true;
+      for (int k = 0; k < kComponents; ++k) six[k] = Single{};
+      return;
+    }
   }
-  SingleMask index = SingleMask{} + static_cast<int>(from);
-  for (std::uint32_t k = from + 1; k <= to; ++k) index -= x >= begin[k];
-  numbers += 3 * kWindow;
-  const Single t = x - chosen(origin, index);
+  const SingleMask index = segments_of(place.window, x);
+  const Single t = x - chosen(place.window + kOriginRow, index);
+  const float* numbers = place.window + kFirstCoefficient;
   for (int k = 0; k < kComponents; ++k) six[k] = chosen(numbers + k * static_cast<int>(kWindow), index);
   for (std::uint32_t power = 1; power < table.row_count; ++power) {
     numbers += kComponents * kWindow;

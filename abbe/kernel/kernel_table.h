@@ -25,11 +25,12 @@ void correct_poses(const FlatView& plan, const Setting& setting, const double* c
 #if defined(ABBE_KERNEL_HAS_SINGLES)
   // Where single precision is refused, it is so for a while: the pause before the next trial doubles.
   std::size_t pause = 0, wait = 0;
+  Place places[kPlaces];
   // With one rotary axis the direction is a least-squares answer and only as exact as the Jacobian.
   const bool in_singles = setting.exact_steps == 0 || axes.rotary_count != 1;
   for (; in_singles && i + kSingles <= count; i += kSingles) {
     if (wait == 0) {
-      if (correct_singles(plan, setting, axes, q, i, corrected, last, walk_first_order<Single>)) {
+      if (correct_singles(plan, setting, axes, q, i, corrected, last, places, walk_first_order<Single>)) {
         pause = 0;
         continue;
       }

@@ -73,7 +73,7 @@ void round(const double (&from)[kCount], float (&to)[kCount]) {
 void give_windows(FlatTable& table, std::vector<std::vector<WindowRow>>& windows) {
   windows.push_back(windows_of(table));
   table.windows = windows.back().front().value;
-  table.window_size = (sizeof(WindowHead) + sizeof(WindowRow) * kComponents * table.row_count) / sizeof(float);
+  table.window_size = kFirstCoefficient + kWindow * kComponents * table.row_count;
 }
 
 SingleSteps single_steps(const std::vector<FlatOp>& steps) {
