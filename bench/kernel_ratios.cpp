@@ -2,6 +2,7 @@
 // chain: batches and single poses, every instruction set of this processor, five machines.
 //
 //   build/release/bench/kernel_ratios [ROUNDS [WHAT]]   default 40, the best round counts; WHAT: only names with it
+// "fixed" is the kernel's first-order batch for a topology known when it was compiled.
 //
 // All candidates take turns in one run, on path data: 1024 neighbouring poses, 40 error functions, 100 nodes
 // each. Every candidate's result is checked before it is timed.
@@ -26,6 +27,7 @@
 #include "abbe/kernel/flat_plan.h"
 #include "abbe/kernel/kernel.h"
 #include "abbe/machine/read_machine.h"
+#include "bench/fixed_topology.h"
 #include "bench/path_data.h"
 
 namespace {
@@ -120,12 +122,61 @@ struct Subject {
   kernel::Setting setting;
 };
 
+/// What the compiler may round differently in the same code, mm and rad.
+constexpr double kSameStep = 1e-7;
+
 struct Candidate {
   std::string name;
   std::function<void()> run;  ///< kPoses poses
   std::string note;
   double best = 1e300;  ///< ns per pose
 };
+
+/// The kernel's code for one topology, beside the kernel; false: it computes something else.
+bool add_fixed(const std::string& name, Subject& s, std::vector<Candidate>& candidates) {
+  bench::FixedTopology fixed = nullptr;
+#if defined(__x86_64__)
+  if (name == "avx2") fixed = bench::correct_fixed_avx2;
+  if (name == "avx512") fixed = bench::correct_fixed_avx512;
+#endif
+  if (fixed == nullptr) return true;
+  const auto run = [&s, fixed] {
+    return fixed(s.flat->view(), s.setting, s.from.data(), kPoses, s.to.data(), s.last.data());
+  };
+  s.setting.exact_steps = 0;
+  kernel::named(name)->correct_poses(s.flat->view(), s.setting, s.from.data(), kPoses, s.to.data(), s.last.data(),
+                                     s.lanes.data());
+  const auto expected = s.corrected;
+  double difference = run() ? 0 : 1;
+  for (std::size_t k = 0; k < expected.size(); ++k)
+    for (std::size_t i = 0; i < kPoses; ++i)
+      difference = std::max(difference, std::abs(s.corrected[k][i] - expected[k][i]));
+  if (difference > kSameStep) {
+    std::fprintf(stderr, "%s: the fixed topology is not the machine's (%g)\n", name.c_str(), difference);
+    return false;
+  }
+  candidates.push_back({name + " batch, first order, fixed table-table", run, "", 1e300});
+  return true;
+}
+
+/// What a chain known only at run time costs, and how far the topologies are apart.
+void print_spread(const std::string& name, const std::vector<Candidate>& candidates) {
+  const std::string batch = name + " batch, first order, ";
+  double least = 1e300, most = 0, first = 0, fixed = 0;
+  for (const Candidate& c : candidates) {
+    if (c.best > 1e200 || c.name.rfind(batch, 0) != 0) continue;
+    if (c.name == batch + "table-table") first = c.best;
+    if (c.name == batch + "fixed table-table") {
+      fixed = c.best;
+      continue;
+    }
+    least = std::min(least, c.best);
+    most = std::max(most, c.best);
+  }
+  if (most > 0) std::printf("%s: slowest topology / fastest %.2f", name.c_str(), most / least);
+  if (most > 0 && fixed > 0) std::printf(", run-time topology / compile-time %.2f", first / fixed);
+  if (most > 0) std::printf("\n");
+}
 
 KDL::Chain kdl_chain(const Machine& machine) {
   KDL::Chain chain;
@@ -228,6 +279,7 @@ int main(int argc, char** argv) {
         if (&s == &first) candidates.push_back({std::string(name) + " single, " + what, single, "", 1e300});
       }
     }
+    if (!add_fixed(name, first, candidates)) return 1;
   }
 
   const std::string wanted = argc > 2 ? argv[2] : "";
@@ -249,5 +301,6 @@ int main(int argc, char** argv) {
     std::printf("%-46s %9.1f %10.1f %10.0f  %s\n", c.name.c_str(), c.best, unit / c.best, inverse_unit / c.best,
                 c.note.c_str());
   }
+  for (const char* name : {"baseline", "avx2", "avx512"}) print_spread(name, candidates);
   return 0;
 }
