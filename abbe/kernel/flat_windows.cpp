@@ -38,7 +38,7 @@ class Window {
       begins.value[k] = usable_ && k < count_ ? begin_number(k) : kNever;
       origins.value[k] = k < count_ ? static_cast<float>(origin(k) - base_) : 0.0f;
     }
-    limits.value[kEndNumber % kWindow] = usable_ ? static_cast<float>(end(count_ - 1) - base_) : -kNever;
+    limits.value[kEndNumber % kWindow] = usable_ ? end_number() : -kNever;
     limits.value[kPerUnitNumber % kWindow] = segments_per_unit();
     rows.insert(rows.end(), {begins, origins, limits});
     for (std::uint32_t row = 0; row < table_.row_count; ++row) {
@@ -66,7 +66,11 @@ class Window {
     const auto number = static_cast<float>(exact);
     return begin(k) == lo_ && exact != 0 ? std::nextafter(number, kNever) : number;
   }
-  /// Rounded down by so much that no x < end is in a segment behind the last one.
+  /// The largest number that no position from the end on rounds to.
+  [[nodiscard]] float end_number() const {
+    return std::nextafter(static_cast<float>(end(count_ - 1) - base_), -kNever);
+  }
+  /// Rounded down by so much that no x <= end is in a segment behind the last one.
   [[nodiscard]] float segments_per_unit() const {
     const double width = end(0) - begin(0);
     if (!(width > 0)) return 0;

@@ -10,7 +10,7 @@
 namespace abbe::kernel {
 namespace {
 
-/// Commands beyond this are refused: multiples of pi/2 of theirs are no longer exact.
+/// Rotary commands beyond this are refused: their multiples of pi/2 are no longer exact.
 constexpr float kMostCommand = 1e5f;
 
 /// Tip and tool axis of kSingles poses in double precision.
@@ -63,7 +63,7 @@ template <class Walk>
     state.commands[i] = q[i] + first;
     commands[i] = load_commands(state.commands[i]);
     state.q[i] = rounded(commands[i]);
-    refused |= lanes_outside(state.q[i], -kMostCommand, kMostCommand);
+    if ((plan.rotary >> i & 1) != 0) refused |= lanes_outside(state.q[i], -kMostCommand, kMostCommand);
   }
   FirstOrder<Single> f;
   walk(plan, setting, state, f);

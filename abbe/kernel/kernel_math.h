@@ -126,6 +126,15 @@ inline unsigned lanes_within(const V& v, Number<V> limit) {
   }
 }
 
+#if defined(__AVX512F__)
+// Comparisons of singles stay in mask registers.
+inline unsigned lanes_outside(const Single& v, float lo, float hi) {
+  const __m512 x = (__m512)v;
+  const unsigned above = _mm512_cmp_ps_mask(x, (__m512)all<Single>(lo), _CMP_GE_OQ);
+  return ~(above & _mm512_cmp_ps_mask(x, (__m512)all<Single>(hi), _CMP_LE_OQ)) & kAllLanes<Single>;
+}
+#endif
+
 template <class V>
 inline V root(V v) {
 #if defined(__AVX512F__)

@@ -86,7 +86,7 @@ inline Single chosen(const float* eight, const SingleMask& index) {
 inline bool are_in_window(const Place& place, const double* q, Single& x) {
   const Commands commands = load_commands(q);
   x = rounded({commands.first - place.base, commands.second - place.base});
-  return bits_of((x >= place.window[kBeginRow]) & (x < place.window[kEndNumber])) == kAllLanes<Single>;
+  return lanes_outside(x, place.window[kBeginRow], place.window[kEndNumber]) == 0;
 }
 
 /// The window of the first and the last pose.
