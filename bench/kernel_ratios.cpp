@@ -2,11 +2,12 @@
 // chain: batches and single poses, every instruction set of this processor, five machines.
 //
 //   build/release/bench/kernel_ratios [ROUNDS [WHAT]]   default 40, the best round counts; WHAT: only names with it
-// "fixed" is the kernel's first-order batch for a topology known when it was compiled.
+// "scattered" are the same poses in no order; "fixed" is the kernel's first-order batch for a topology known when it was compiled.
 //
 // All candidates take turns in one run, on path data: 1024 neighbouring poses, 40 error functions, 100 nodes
 // each. Every candidate's result is checked before it is timed.
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -19,6 +20,7 @@
 #include <kdl/chainiksolvervel_pinv.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -76,11 +78,13 @@ Machine machine_of(const Topology& topology) {
 
 /// Everything of one machine that the candidates need.
 struct Subject {
-  explicit Subject(const Topology& topology)
-      : machine(machine_of(topology)),
+  Subject(const Topology& topology, bool scattered)
+      : name(std::string(topology.name) + (scattered ? ", scattered" : "")),
+        machine(machine_of(topology)),
         plan(std::get<Plan>(make_plan(machine, {}))),
         flat(kernel::FlatPlan::make(plan)),
         queries(path(machine, 0.004)) {
+    if (scattered) std::shuffle(queries.begin(), queries.end(), std::mt19937(1));
     for (std::size_t k = 0; k < 5; ++k) {
       q.emplace_back();
       corrected.emplace_back(kPoses);
@@ -110,6 +114,7 @@ struct Subject {
     }
   }
 
+  std::string name;
   Machine machine;
   Plan plan;
   std::shared_ptr<const kernel::FlatPlan> flat;
@@ -164,7 +169,7 @@ void print_spread(const std::string& name, const std::vector<Candidate>& candida
   const std::string batch = name + " batch, first order, ";
   double least = 1e300, most = 0, first = 0, fixed = 0;
   for (const Candidate& c : candidates) {
-    if (c.best > 1e200 || c.name.rfind(batch, 0) != 0) continue;
+    if (c.best > 1e200 || c.name.rfind(batch, 0) != 0 || c.name == batch + "table-table, scattered") continue;
     if (c.name == batch + "table-table") first = c.best;
     if (c.name == batch + "fixed table-table") {
       fixed = c.best;
@@ -205,7 +210,8 @@ KDL::Chain kdl_chain(const Machine& machine) {
 int main(int argc, char** argv) {
   const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 40;
   std::vector<std::unique_ptr<Subject>> subjects;
-  for (const Topology& topology : kTopologies) subjects.push_back(std::make_unique<Subject>(topology));
+  for (const Topology& topology : kTopologies) subjects.push_back(std::make_unique<Subject>(topology, false));
+  subjects.push_back(std::make_unique<Subject>(kTopologies[0], true));
   Subject& first = *subjects.front();
   std::vector<Candidate> candidates;
 
@@ -274,7 +280,7 @@ int main(int argc, char** argv) {
         batch();
         s.worst(linear, rotary);
         std::snprintf(note, sizeof note, "%.1e mm, %.1e rad from converged", linear, rotary);
-        const std::string what = std::string(steps == 0 ? "first order" : "exact") + ", " + s.machine.name;
+        const std::string what = std::string(steps == 0 ? "first order" : "exact") + ", " + s.name;
         candidates.push_back({std::string(name) + " batch, " + what, batch, note, 1e300});
         if (&s == &first) candidates.push_back({std::string(name) + " single, " + what, single, "", 1e300});
       }
