@@ -1,5 +1,5 @@
-// The last lines of fixed_topology_*.cpp: the kernel's code, told at compile time which steps it walks. No #pragma once:
-// one inclusion per file.
+// The last lines of fixed_topology_*.cpp: the kernel's code, told at compile time which steps it walks. No
+// #pragma once: one inclusion per file.
 
 #include <utility>
 
@@ -22,12 +22,12 @@ using Kind = FlatStep::Kind;
 using About = FlatStep::About;
 // "w C A Y b X Z t", from the tool to the workpiece; axes C A Y X Z are number 0 to 4.
 constexpr FlatStep kSteps[] = {
-    step_of(Kind::tip, About::z, -1, false),   step_of(Kind::twist, About::z, -1, false),
-    step_of(Kind::slide, About::z, 4, false),  step_of(Kind::twist, About::x, -1, false),
-    step_of(Kind::slide, About::x, 3, false),  step_of(Kind::fixed_twist, About::other, -1, false),
-    step_of(Kind::slide, About::y, 2, false),  step_of(Kind::twist, About::y, -1, true),
-    step_of(Kind::turn, About::x, 1, false),   step_of(Kind::twist, About::x, -1, true),
-    step_of(Kind::turn, About::z, 0, false),   step_of(Kind::twist, About::z, -1, false),
+    step_of(Kind::tip, About::z, -1, false),  step_of(Kind::twist, About::z, -1, false),
+    step_of(Kind::slide, About::z, 4, false), step_of(Kind::twist, About::x, -1, false),
+    step_of(Kind::slide, About::x, 3, false), step_of(Kind::fixed_twist, About::other, -1, false),
+    step_of(Kind::slide, About::y, 2, false), step_of(Kind::twist, About::y, -1, true),
+    step_of(Kind::turn, About::x, 1, false),  step_of(Kind::twist, About::x, -1, true),
+    step_of(Kind::turn, About::z, 0, false),  step_of(Kind::twist, About::z, -1, false),
 };
 constexpr std::uint32_t kStepCount = sizeof kSteps / sizeof kSteps[0];
 constexpr FreeAxes kFreeAxes = {{2, 3, 4}, {0, 1}, 2};

@@ -1,8 +1,10 @@
 // What a corrected pose costs, in units of one forward kinematics + Jacobian call of Orocos KDL on the same
 // chain: batches and single poses, every instruction set of this processor, five machines.
 //
-//   build/release/bench/kernel_ratios [ROUNDS [WHAT]]   default 40, the best round counts; WHAT: only names with it
-// "scattered" are the same poses in no order; "fixed" is the kernel's first-order batch for a topology known when it was compiled.
+//   build/release/bench/kernel_ratios [ROUNDS [WHAT]]   default 40, the best round counts; WHAT: only names
+//   with it
+// "scattered" are the same poses in no order; "fixed" is the kernel's first-order batch for a topology known
+// when it was compiled.
 //
 // All candidates take turns in one run, on path data: 1024 neighbouring poses, 40 error functions, 100 nodes
 // each. Every candidate's result is checked before it is timed.
@@ -149,8 +151,8 @@ bool add_fixed(const std::string& name, Subject& s, std::vector<Candidate>& cand
     return fixed(s.flat->view(), s.setting, s.from.data(), kPoses, s.to.data(), s.last.data());
   };
   s.setting.exact_steps = 0;
-  kernel::named(name)->correct_poses(s.flat->view(), s.setting, s.from.data(), kPoses, s.to.data(), s.last.data(),
-                                     s.lanes.data());
+  kernel::named(name)->correct_poses(s.flat->view(), s.setting, s.from.data(), kPoses, s.to.data(),
+                                     s.last.data(), s.lanes.data());
   const auto expected = s.corrected;
   double difference = run() ? 0 : 1;
   for (std::size_t k = 0; k < expected.size(); ++k)

@@ -198,7 +198,8 @@ std::shared_ptr<const FlatPlan> FlatPlan::make(const Plan& plan) {
   for (const FlatOp& op : data.first_order) {
     if (op.group < 0 || op.table != nullptr) continue;
     const FlatGroup& group = data.groups[static_cast<std::size_t>(op.group)];
-    for (FlatTable& table : std::span(data.tables).subspan(static_cast<std::size_t>(group.tables - data.tables.data()), group.table_count))
+    const auto first = static_cast<std::size_t>(group.tables - data.tables.data());
+    for (FlatTable& table : std::span(data.tables).subspan(first, group.table_count))
       if (table.windows == nullptr) give_windows(table, data.single.windows);
   }
 

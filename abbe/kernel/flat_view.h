@@ -16,9 +16,10 @@ inline constexpr std::size_t kRow = 8;
 /// Segments of a window (FlatTable::windows), and how many segments the next window begins later.
 inline constexpr std::uint32_t kWindow = 8, kWindowStep = 4;
 
-// A window of a table in single precision: kWindow neighbouring segments, each number of all of them side by side, so
-// that one permutation gives every pose the number of its own segment. Positions x count from the origin of the window's
-// first segment and are in the window if begin[0] <= x <= end. It is an array of rows of kWindow numbers:
+// A window of a table in single precision: kWindow neighbouring segments, each number of all of them side by
+// side, so that one permutation gives every pose the number of its own segment. Positions x count from the
+// origin of the window's first segment and are in the window if begin[0] <= x <= end. It is an array of rows
+// of kWindow numbers:
 //   begin     of the segments; infinite where there is none, all if the window is not for use
 //   origin    of their polynomials
 //   limits    end; segments per unit if they are equally wide (x is in number x * per_unit), else 0; no more

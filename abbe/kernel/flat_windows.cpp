@@ -12,7 +12,8 @@ constexpr double kUnit = 0x1p-24;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 /// How far beyond its last knot a table is used at most, mm or rad; halved until the bound holds.
 constexpr double kMostReach = 0x1p14, kLeastReach = 0x1p-10;
-/// Widths that differ by less than this part are equal: a knot missed by it is missed by rounding of positions, too.
+/// Widths that differ by less than this part are equal: a knot missed by it is missed by rounding of
+/// positions, too.
 constexpr double kSameWidth = 0x1p-22;
 /// A step below this part of the bounds is rounding of splines and of tabulated sines.
 constexpr double kNoStep = 0.5;
@@ -23,7 +24,10 @@ constexpr double kNoStep = 0.5;
 class Window {
  public:
   Window(const FlatTable& table, std::uint32_t first)
-      : table_(table), first_(first), count_(std::min(kWindow, table.segments - first)), base_(table.knots[first]) {
+      : table_(table),
+        first_(first),
+        count_(std::min(kWindow, table.segments - first)),
+        base_(table.knots[first]) {
     const bool repeats = table.period > 0;
     lo_ = repeats ? table.period_lo : std::max(table.lo, table.waves_lo);
     hi_ = repeats ? table.period_lo + table.period : std::min(table.hi, table.waves_hi);
@@ -76,14 +80,16 @@ class Window {
     if (!(width > 0)) return 0;
     for (std::uint32_t k = 0; k < count_; ++k) {
       const double limit = kSameWidth * width;
-      const bool same = std::abs(begin(k) - base_ - k * width) <= limit && std::abs(origin(k) - begin(k)) <= limit &&
+      const bool same = std::abs(begin(k) - base_ - k * width) <= limit &&
+                        std::abs(origin(k) - begin(k)) <= limit &&
                         std::abs(end(k) - base_ - (k + 1) * width) <= limit;
       if (!same) return 0;
     }
     return static_cast<float>((1 - 2 * kSameWidth) / width);
   }
   [[nodiscard]] double coefficient(std::uint32_t k, std::uint32_t power, int component) const {
-    const std::size_t row = static_cast<std::size_t>(first_ + k) * table_.row_count + (table_.row_count - 1 - power);
+    const std::size_t row =
+        static_cast<std::size_t>(first_ + k) * table_.row_count + (table_.row_count - 1 - power);
     return table_.rows[row * kRow + static_cast<std::size_t>(component)];
   }
 
@@ -97,7 +103,8 @@ class Window {
       before = h_power;
       h_power *= h;
     }
-    return kUnit * ((2.0 * table_.row_count - 1) * value + 2 * s * slope) <= most(component) + kSinglePart * value;
+    return kUnit * ((2.0 * table_.row_count - 1) * value + 2 * s * slope) <=
+           most(component) + kSinglePart * value;
   }
 
   [[nodiscard]] bool precise() const {
@@ -138,7 +145,8 @@ class Window {
 
 std::vector<WindowRow> windows_of(const FlatTable& table) {
   std::vector<WindowRow> rows;
-  for (std::uint32_t first = 0; first < table.segments; first += kWindowStep) Window(table, first).append_to(rows);
+  for (std::uint32_t first = 0; first < table.segments; first += kWindowStep)
+    Window(table, first).append_to(rows);
   return rows;
 }
 

@@ -11,19 +11,19 @@ struct alignas(32) WindowRow {
   float value[kWindow] = {};
 };
 
-/// What single precision may change in one table's functions: so much, mm and rad, and this part of the terms'
-/// sizes sum |c_k| h^k.
+/// What single precision may change in one table's functions: so much, mm and rad, and this part of the
+/// terms' sizes sum |c_k| h^k.
 inline constexpr double kSingleMm = 1e-8, kSingleRad = 3e-11, kSinglePart = 4e-6;
 
 /// A table's windows in single precision, one behind the other, every kWindowStep segments; see kBeginRow.
 ///
-/// For one segment's polynomial of degree n at a distance of at most h from its origin, and of at most s from the
-/// window's, single precision (u = 2^-24) misses at most
+/// For one segment's polynomial of degree n at a distance of at most h from its origin, and of at most s from
+/// the window's, single precision (u = 2^-24) misses at most
 ///
 ///   u ( (2 n + 1) sum |c_k| h^k + 2 s sum k |c_k| h^(k-1) )
 ///
-/// A window in which that is more than may be, or in which the function makes a step, is marked as not for use.
-/// Segments that reach to infinity end where the bound does.
+/// A window in which that is more than may be, or in which the function makes a step, is marked as not for
+/// use. Segments that reach to infinity end where the bound does.
 ///
 /// laws   FlatWindows.KeepTheirBound, FlatWindows.LeaveStepsToDoublePrecision,
 ///        FlatWindows.LeaveUnequalSegmentsToDoublePrecision

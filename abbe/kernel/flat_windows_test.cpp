@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// A table of cubics: segments of about 10 mm from -500 on, the first one open below, the last one above. Displacements
-/// of 0.02 mm and rotations of 5e-5 rad, continuous unless a step is asked for.
+/// A table of cubics: segments of about 10 mm from -500 on, the first one open below, the last one above.
+/// Displacements of 0.02 mm and rotations of 5e-5 rad, continuous unless a step is asked for.
 struct Cubics {
   static constexpr std::uint32_t kSegments = 23, kRows = 4;
   std::vector<double> knots, rows;
@@ -87,7 +87,8 @@ TEST(FlatWindows, KeepTheirBound) {
           for (int power = 0; power < static_cast<int>(Cubics::kRows); ++power)
             single = single * t + row(rows, first, 3 + power * kComponents + component).value[k];
           const double expected = cubics.value(first + k, component, q - cubics.knots[first + k]);
-          const double most = (component < 3 ? kSingleMm : kSingleRad) + kSinglePart * cubics.terms(first + k, component, t);
+          const double most =
+              (component < 3 ? kSingleMm : kSingleRad) + kSinglePart * cubics.terms(first + k, component, t);
           ASSERT_NEAR(single, expected, most) << first << " " << k;
           if (component < 3) worst_mm = std::max(worst_mm, std::abs(single - expected));
         }
@@ -114,9 +115,11 @@ TEST(FlatWindows, LeaveUnequalSegmentsToDoublePrecision) {
   cubics.knots[9] = cubics.knots[10] - 1e-4;
   for (int component = 0; component < kComponents; ++component) {
     for (std::uint32_t i = 8; i < 10; ++i)
-      for (std::uint32_t power = 1; power < Cubics::kRows; ++power) cubics.coefficient(i, power, component) = 0;
+      for (std::uint32_t power = 1; power < Cubics::kRows; ++power)
+        cubics.coefficient(i, power, component) = 0;
     cubics.coefficient(9, 0, component) = cubics.coefficient(8, 0, component);
-    cubics.coefficient(9, 1, component) = 1e4 * (cubics.coefficient(10, 0, component) - cubics.coefficient(9, 0, component));
+    cubics.coefficient(9, 1, component) =
+        1e4 * (cubics.coefficient(10, 0, component) - cubics.coefficient(9, 0, component));
   }
   const std::vector<WindowRow> rows = windows_of(cubics.table);
   EXPECT_TRUE(std::isinf(row(rows, 8, 0).value[1]) || std::isinf(row(rows, 4, 0).value[1]));

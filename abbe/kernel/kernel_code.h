@@ -166,7 +166,8 @@ template <class V>
 
 /// Displacement d and rotation e of an error factor.
 template <class V>
-[[gnu::always_inline]] inline void evaluate(const FlatView& plan, const Op<V>& op, State<V>& state, Triple<V>& d, Triple<V>& e) {
+[[gnu::always_inline]] inline void evaluate(const FlatView& plan, const Op<V>& op, State<V>& state,
+                                            Triple<V>& d, Triple<V>& e) {
   V six[kComponents];
   if (op.table != nullptr) {
     read_table(*op.table, state, six);
@@ -181,7 +182,8 @@ template <class V>
     read_table(group.tables[0], state, six);
     for (std::uint32_t b = 1; b < group.table_count; ++b) {
       const FlatTable& table = group.tables[b];
-      const auto weight = static_cast<Number<V>>(weight_of(table.direction, state.approach[table.direction_axis]));
+      const auto weight =
+          static_cast<Number<V>>(weight_of(table.direction, state.approach[table.direction_axis]));
       if (weight == 0) continue;
       V more[kComponents];
       read_table(table, state, more);
@@ -282,7 +284,8 @@ Triple<V> rotated(const Triple<V>& e, V s, V k, const Triple<V>& p) {
 
 /// The point, and if `Axis` the tool axis, through one step of the exact walk.
 template <class V, bool Axis>
-[[gnu::always_inline]] inline void step(const FlatView& plan, const Op<V>& op, State<V>& state, Triple<V>& p, Triple<V>& a) {
+[[gnu::always_inline]] inline void step(const FlatView& plan, const Op<V>& op, State<V>& state, Triple<V>& p,
+                                        Triple<V>& a) {
   using Kind = FlatStep::Kind;
   switch (op.kind) {
     case Kind::tip:
@@ -292,10 +295,11 @@ template <class V, bool Axis>
       slide(op, state, p);
       break;
     case Kind::turn:
-      with_turn(op, state, [&](const auto& turn) __attribute__((always_inline)) {
-        p = turn(p);
-        if (Axis) a = turn(a);
-      });
+      with_turn(
+          op, state, [&](const auto& turn) __attribute__((always_inline)) {
+            p = turn(p);
+            if (Axis) a = turn(a);
+          });
       break;
     case Kind::affine: {
       const auto act = [&](const Triple<V>& v) {
@@ -344,10 +348,11 @@ template <class V, bool Axis>
   if (op.moves_on) p = p + broadcast<V>(op.t);
 }
 
-/// Steps of a walk, one after the other: without errors if they are those of first order, whose twists only the
-/// first-order walk heeds.
+/// Steps of a walk, one after the other: without errors if they are those of first order, whose twists only
+/// the first-order walk heeds.
 template <class V, bool Axis>
-void walk(const FlatView& plan, const FlatOp* steps, std::uint32_t count, State<V>& state, Triple<V>& p, Triple<V>& a) {
+void walk(const FlatView& plan, const FlatOp* steps, std::uint32_t count, State<V>& state, Triple<V>& p,
+          Triple<V>& a) {
   p = Triple<V>{};
   if (Axis) a = broadcast<V>(state.axis);
   for (std::uint32_t i = 0; i < count; ++i) step<V, Axis>(plan, steps[i], state, p, a);

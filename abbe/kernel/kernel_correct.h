@@ -38,7 +38,8 @@ struct FirstOrderWalk {
   int seen[kMaxFlatAxes];  ///< free axes met so far
   int count = 0;
 
-  [[gnu::always_inline]] FirstOrderWalk(const FlatView& of, const Setting& by, State<V>& at, FirstOrder<V>& to)
+  [[gnu::always_inline]] FirstOrderWalk(const FlatView& of, const Setting& by, State<V>& at,
+                                        FirstOrder<V>& to)
       : plan(of), setting(by), state(at), f(to) {
     p = dp = rotation = broadcast<V>(kNowhere);
     a = broadcast<V>(setting.axis);
@@ -91,17 +92,18 @@ struct FirstOrderWalk {
   [[nodiscard]] bool is_free(const Op<V>& op) const { return (setting.free >> op.axis & 1) != 0; }
 
   [[gnu::always_inline]] void turn(const Op<V>& op) {
-    with_turn(op, state, [&](const auto& turned) __attribute__((always_inline)) {
-      p = turned(p);
-      a = turned(a);
-      dp = turned(dp);
-      rotation = turned(rotation);
-      for (int k = 0; k < count; ++k) {
-        const int axis = seen[k];
-        f.position[axis] = turned(f.position[axis]);
-        if ((plan.rotary >> axis & 1) != 0) f.direction[axis] = turned(f.direction[axis]);
-      }
-    });
+    with_turn(
+        op, state, [&](const auto& turned) __attribute__((always_inline)) {
+          p = turned(p);
+          a = turned(a);
+          dp = turned(dp);
+          rotation = turned(rotation);
+          for (int k = 0; k < count; ++k) {
+            const int axis = seen[k];
+            f.position[axis] = turned(f.position[axis]);
+            if ((plan.rotary >> axis & 1) != 0) f.direction[axis] = turned(f.direction[axis]);
+          }
+        });
     if (!is_free(op)) return;
     const Triple<V> u = broadcast<V>(op.u);
     f.position[op.axis] = cross(u, p);
@@ -111,8 +113,8 @@ struct FirstOrderWalk {
 };
 
 template <class V>
-[[gnu::always_inline]] inline void walk_first_order(const FlatView& plan, const Setting& setting, State<V>& state,
-                                                    FirstOrder<V>& f) {
+[[gnu::always_inline]] inline void walk_first_order(const FlatView& plan, const Setting& setting,
+                                                    State<V>& state, FirstOrder<V>& f) {
   FirstOrderWalk<V> walk(plan, setting, state, f);
   if constexpr (sizeof(Number<V>) == sizeof(float)) {
     for (std::uint32_t i = 0; i < plan.single_count; ++i) walk.take(plan.single[i]);

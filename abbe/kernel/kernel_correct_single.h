@@ -1,5 +1,5 @@
-// Correction of many poses side by side: the first-order step and the solutions in single precision, the residuals of
-// Newton steps in double precision. See kernel_code.h for what may stand here.
+// Correction of many poses side by side: the first-order step and the solutions in single precision, the
+// residuals of Newton steps in double precision. See kernel_code.h for what may stand here.
 #pragma once
 
 #include "abbe/kernel/kernel_correct.h"
@@ -45,12 +45,13 @@ inline Triple<Single> difference(const Poses& a, const Poses& b, int k, const do
   return {component(0), component(1), component(2)};
 }
 
-/// The corrections of kSingles poses from `first` on. False, and nothing is written, where single precision would
-/// show, and for every pose that is not ordinary. `walk`: walk_first_order, or what does the same.
+/// The corrections of kSingles poses from `first` on. False, and nothing is written, where single precision
+/// would show, and for every pose that is not ordinary. `walk`: walk_first_order, or what does the same.
 template <class Walk>
-[[gnu::always_inline]] inline bool correct_singles(const FlatView& plan, const Setting& setting, const FreeAxes& axes,
-                                                   const double* const* q, std::size_t first, double* const* corrected,
-                                                   double* last, Place* places, const Walk& walk) {
+[[gnu::always_inline]] inline bool correct_singles(const FlatView& plan, const Setting& setting,
+                                                   const FreeAxes& axes, const double* const* q,
+                                                   std::size_t first, double* const* corrected, double* last,
+                                                   Place* places, const Walk& walk) {
   State<Single> state;
   state.tip = setting.tip;
   state.axis = setting.axis;

@@ -1,5 +1,5 @@
-// Packets in single precision: commands stay double, what is computed of them and stays small beside them does not.
-// See kernel_code.h for what may stand here.
+// Packets in single precision: commands stay double, what is computed of them and stays small beside them
+// does not. See kernel_code.h for what may stand here.
 #pragma once
 
 #include "abbe/kernel/kernel_code.h"
@@ -93,7 +93,8 @@ inline bool are_in_window(const Place& place, const double* q, Single& x) {
 [[gnu::noinline]] inline void find_window(const FlatTable& table, const double* q, Place& place) {
   const double turns =
       table.period > 0 ? table.period * __builtin_floor((q[0] - table.period_lo) / table.period) : 0.0;
-  const std::uint32_t first = segment_of(table, q[0] - turns), last = segment_of(table, q[kSingles - 1] - turns);
+  const std::uint32_t first = segment_of(table, q[0] - turns),
+                      last = segment_of(table, q[kSingles - 1] - turns);
   const std::uint32_t window = (first < last ? first : last) / kWindowStep;
   place = {&table, table.windows + window * table.window_size, table.knots[window * kWindowStep] + turns};
 }
@@ -126,12 +127,13 @@ inline SingleMask segments_of(const float* window, const Single& x) {
   for (int k = 0; k < kComponents; ++k) six[k] = chosen(numbers + k * static_cast<int>(kWindow), index);
   for (std::uint32_t power = 1; power < table.row_count; ++power) {
     numbers += kComponents * kWindow;
-    for (int k = 0; k < kComponents; ++k) six[k] = six[k] * t + chosen(numbers + k * static_cast<int>(kWindow), index);
+    for (int k = 0; k < kComponents; ++k)
+      six[k] = six[k] * t + chosen(numbers + k * static_cast<int>(kWindow), index);
   }
 }
 
-/// Sine and cosine to 2e-7: reduced in double precision, then the polynomials of Cephes (sinf.c) on [-pi/4, pi/4].
-/// Positions beyond 1e5 are refused by correct_singles.
+/// Sine and cosine to 2e-7: reduced in double precision, then the polynomials of Cephes (sinf.c) on [-pi/4,
+/// pi/4]. Positions beyond 1e5 are refused by correct_singles.
 inline void sine_and_cosine(const State<Single>& state, int axis, Single& s, Single& c) {
   constexpr double kTwoOverPi = 6.36619772367581382433e-01, kHalfPi = 1.57079632679489661923;
   const Commands q = load_commands(state.commands[axis]);
@@ -141,8 +143,9 @@ inline void sine_and_cosine(const State<Single>& state, int axis, Single& s, Sin
   const SingleMask turns = __builtin_convertvector(rounded(n), SingleMask);
   const Single z = r * r;
   const Single ps = r + r * z * (-1.6666654611e-1f + z * (8.3321608736e-3f + z * -1.9515295891e-4f));
-  const Single pc = 1.0f - 0.5f * z +
-                    z * z * (4.166664568298827e-2f + z * (-1.388731625493765e-3f + z * 2.443315711809948e-5f));
+  const Single pc =
+      1.0f - 0.5f * z +
+      z * z * (4.166664568298827e-2f + z * (-1.388731625493765e-3f + z * 2.443315711809948e-5f));
   const SingleMask odd = (turns & 1) != 0;
   const SingleMask minus_s = (turns & 2) << 30, minus_c = ((turns + 1) & 2) << 30;  // the sign bit
   const SingleMask a = (SingleMask)ps, b = (SingleMask)pc;

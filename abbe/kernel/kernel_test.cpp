@@ -24,8 +24,8 @@ constexpr double kSameTip = 2e-11;  // mm, at positions of up to some metres
 constexpr double kSameStep = 1e-8;
 /// Commands after one exact step, mm (rotary ones count 300 mm per rad).
 constexpr double kSameExact = 1e-8;
-/// What single precision may change in a first-order correction, as a part of its length and of the ways by which its
-/// rotary axes move the tip, which the linear axes take back.
+/// What single precision may change in a first-order correction, as a part of its length and of the ways by
+/// which its rotary axes move the tip, which the linear axes take back.
 constexpr double kSingleStep = 1e-6;
 
 std::vector<const Kernel*> kernels() {
@@ -55,8 +55,8 @@ struct Results {
   std::vector<double> last;
   std::vector<unsigned char> lanes;
 
-  Results(const Kernel& kernel, const FlatView& view, const Setting& setting, const Batch& batch, std::size_t first,
-          std::size_t count)
+  Results(const Kernel& kernel, const FlatView& view, const Setting& setting, const Batch& batch,
+          std::size_t first, std::size_t count)
       : q(batch.q.size(), std::vector<double>(count)), last(count), lanes(count, Lane::ordinary) {
     std::vector<const double*> from;
     for (const double* column : batch.pointers) from.push_back(column + first);
@@ -66,7 +66,8 @@ struct Results {
   }
 };
 
-/// The length of a correction and of what its rotary part moves by tips within `reach` of the rotary axes, mm.
+/// The length of a correction and of what its rotary part moves by tips within `reach` of the rotary axes,
+/// mm.
 double way_of(const FlatView& view, const Results& results, std::size_t i, const Query& from, double reach) {
   double way = results.last[i];
   for (std::size_t k = 0; k < results.q.size(); ++k)
@@ -203,9 +204,9 @@ TEST(Kernels, CorrectPosesIsTheOneStepAndConvergesToTheCorrection) {
             const bool rotary = (flat->view().rotary >> k & 1) != 0;
             rest = std::max(rest, std::abs(q[k][i] - expected.corrected[k]) * (rotary ? 300 : 1));
           }
-          const double most = steps == 0 ? kSingleStep * way_of(flat->view(), results, i, queries[i], 6000) : 0.3 * last[i];
-          ASSERT_LE(rest, most + kSameStep)
-              << kernel->name << " round " << round;
+          const double most =
+              steps == 0 ? kSingleStep * way_of(flat->view(), results, i, queries[i], 6000) : 0.3 * last[i];
+          ASSERT_LE(rest, most + kSameStep) << kernel->name << " round " << round;
           if (steps == 8 && rest > kSameStep) ++slow;
           if (steps == 1 && rest < 1e-6) ++fine;
         }
@@ -229,8 +230,8 @@ std::vector<Query> path_queries(RandomMachine& random, const Machine& machine) {
   return queries;
 }
 
-/// Batches begin in single precision, single poses do not: a first-order step keeps its bound, and an exact step after
-/// it leaves only rounding of it.
+/// Batches begin in single precision, single poses do not: a first-order step keeps its bound, and an exact
+/// step after it leaves only rounding of it.
 TEST(Kernels, BatchesInSinglePrecisionAreTheFirstOrderStep) {
   RandomMachine random(14);
   int single_lanes = 0, lanes_seen = 0;

@@ -22,12 +22,17 @@ struct Folded {
 /// The constant twist `op` for points that are still to be moved by t, or with sign -1 for moved ones.
 [[nodiscard]] Six seen_across(const FlatOp& op, const double* t, double sign) {
   const double* const e = op.a;
-  return {op.u[0] + sign * (e[1] * t[2] - e[2] * t[1]), op.u[1] + sign * (e[2] * t[0] - e[0] * t[2]),
-          op.u[2] + sign * (e[0] * t[1] - e[1] * t[0]), e[0], e[1], e[2]};
+  return {op.u[0] + sign * (e[1] * t[2] - e[2] * t[1]),
+          op.u[1] + sign * (e[2] * t[0] - e[0] * t[2]),
+          op.u[2] + sign * (e[0] * t[1] - e[1] * t[0]),
+          e[0],
+          e[1],
+          e[2]};
 }
 
 void gain(Folded& twist, const Six& constant) {
-  for (std::size_t k = 0; k < constant.size(); ++k) twist.gain[k] += twist.op.inverse ? -constant[k] : constant[k];
+  for (std::size_t k = 0; k < constant.size(); ++k)
+    twist.gain[k] += twist.op.inverse ? -constant[k] : constant[k];
 }
 
 void move_on(FlatOp& op, const double* t) {
