@@ -25,7 +25,8 @@ inline constexpr double kSingleMm = 1e-8, kSingleRad = 3e-11, kSinglePart = 4e-6
 /// A window in which that is more than may be, or in which the function makes a step, is marked as not for
 /// use. Segments that reach to infinity end where the bound does.
 ///
-/// laws   FlatWindows.KeepTheirBound, FlatWindows.LeaveStepsToDoublePrecision,
+/// laws   FlatWindows.KeepTheirBound, FlatWindows.FindEquallyWideSegmentsByAProduct,
+///        FlatWindows.LeaveStepsToDoublePrecision,
 ///        FlatWindows.LeaveUnequalSegmentsToDoublePrecision
 /// cost   once per plan; about as many bytes as the table itself
 /// source docs/theory/kernels.md

@@ -20,11 +20,11 @@ struct Cubics {
   std::vector<double> knots, rows;
   FlatTable table;
 
-  explicit Cubics(double step) : rows(kSegments * kRows * kRow) {
+  explicit Cubics(double step, double unequal = 2) : rows(kSegments * kRows * kRow) {
     std::mt19937 random(7);
     std::uniform_real_distribution<double> uniform(-1, 1);
     for (std::uint32_t i = 0; i < kSegments; ++i)
-      knots.push_back(i < 2 ? -500.0 : -510.0 + 10.0 * i + 2 * uniform(random));
+      knots.push_back(i < 2 ? -500.0 : -510.0 + 10.0 * i + unequal * uniform(random));
     std::sort(knots.begin(), knots.end());
     for (int component = 0; component < kComponents; ++component) {
       const double size = component < 3 ? 0.02 : 5e-5;
@@ -97,6 +97,26 @@ TEST(FlatWindows, KeepTheirBound) {
   }
   EXPECT_GT(compared, 5000);
   EXPECT_GT(worst_mm, kSingleMm / 100);  // it is single precision that is tried
+}
+
+TEST(FlatWindows, FindEquallyWideSegmentsByAProduct) {
+  const Cubics cubics(0, 0);
+  const std::vector<WindowRow> rows = windows_of(cubics.table);
+  std::mt19937 random(9);
+  std::uniform_real_distribution<double> inside(0, 10.0 * kWindow);
+  // Segment 0 is open below, and the last two windows reach the segment that is open above.
+  for (std::uint32_t first = kWindowStep; first + kWindow < Cubics::kSegments; first += kWindowStep) {
+    const float end = row(rows, first, 2).value[0], per_unit = row(rows, first, 2).value[1];
+    ASSERT_GT(per_unit, 0) << first;
+    EXPECT_LT(end * per_unit, kWindow);
+    for (int i = 0; i < 1000; ++i) {
+      const double x = inside(random);
+      if (std::abs(x / 10 - std::round(x / 10)) < 1e-5) continue;
+      EXPECT_EQ(std::floor(static_cast<float>(x) * per_unit), std::floor(x / 10));
+    }
+  }
+  EXPECT_EQ(row(rows, 0, 2).value[1], 0);
+  EXPECT_EQ(row(windows_of(Cubics(0).table), kWindowStep, 2).value[1], 0);
 }
 
 TEST(FlatWindows, LeaveStepsToDoublePrecision) {
