@@ -44,7 +44,7 @@ void store(double* to, std::size_t first, std::size_t count, V v) {
 /// Commands of a packet and the flags of its lanes (bit i = lane i).
 template <class V>
 struct State {
-  V q[kMaxFlatAxes];
+  const V* q = nullptr;                         ///< per axis
   const double *tip = nullptr, *axis = nullptr;  ///< of the tool
   const signed char* approach = nullptr;
   unsigned outside = 0;

@@ -216,30 +216,32 @@ struct Solver {
 template <class V>
 void correct_packet(const FlatView& plan, const Setting& setting, const FreeAxes& axes, const Source& from,
                     double* const* corrected, double* last, unsigned char* lanes) {
+  V q[kMaxFlatAxes];
+  for (int i = 0; i < plan.axis_count; ++i) q[i] = load<V>(from, i);
   State<V> state;
+  state.q = q;
   state.tip = setting.tip;
   state.axis = setting.axis;
   state.approach = setting.approach;
-  for (int i = 0; i < plan.axis_count; ++i) state.q[i] = load<V>(from, i);
   FirstOrder<V> f;
   walk_first_order(plan, setting, state, f);
   const Solver<V> solver(axes, f);
   const Triple<V> shift = broadcast<V>(setting.shift);
   const Triple<V> target = f.p + shift;
   V rotary_before[2] = {};
-  for (int i = 0; i < axes.rotary_count; ++i) rotary_before[i] = state.q[axes.rotary[i]];
-  V size = solver.step(f.dp - shift, cross(f.e, f.a), state.q);
+  for (int i = 0; i < axes.rotary_count; ++i) rotary_before[i] = q[axes.rotary[i]];
+  V size = solver.step(f.dp - shift, cross(f.e, f.a), q);
   for (int i = 0; i < setting.exact_steps; ++i) {
     Triple<V> p, a;
     state.outside = 0;
     walk_actual<V, true>(plan, state, p, a);
-    size = solver.step(p - target, a - f.a, state.q);
+    size = solver.step(p - target, a - f.a, q);
   }
   unsigned unusual = solver.unusual | lanes_outside(size, 0.0, kMostStep);
   for (int i = 0; i < axes.rotary_count; ++i) {
-    unusual |= lanes_outside(state.q[axes.rotary[i]] - rotary_before[i], -setting.max_rotary, setting.max_rotary);
+    unusual |= lanes_outside(q[axes.rotary[i]] - rotary_before[i], -setting.max_rotary, setting.max_rotary);
   }
-  for (int i = 0; i < plan.axis_count; ++i) store(corrected[i], from.first, from.count, state.q[i]);
+  for (int i = 0; i < plan.axis_count; ++i) store(corrected[i], from.first, from.count, q[i]);
   store(last, from.first, from.count, size);
   if ((unusual | state.outside) == 0) return;
   for (int i = 0; i < lanes_of<V> && from.first + static_cast<std::size_t>(i) < from.count; ++i) {

@@ -20,14 +20,16 @@ struct Poses {
 
 template <bool kNominal>
 inline unsigned walk_poses(const FlatView& plan, const Setting& setting, const Commands* q, Poses& to) {
+  Packet lanes[kMaxFlatAxes];
   State<Packet> state;
+  state.q = lanes;
   state.tip = setting.tip;
   state.axis = setting.axis;
   state.approach = setting.approach;
   constexpr int kLanes = lanes_of<Packet>;
   for (int first = 0; first < kSingles; first += kLanes) {
     for (int i = 0; i < plan.axis_count; ++i)
-      __builtin_memcpy(&state.q[i], reinterpret_cast<const double*>(&q[i]) + first, sizeof(Packet));
+      __builtin_memcpy(&lanes[i], reinterpret_cast<const double*>(&q[i]) + first, sizeof(Packet));
     Triple<Packet> p, a;
     kNominal ? walk_nominal<Packet>(plan, state, p, a) : walk_actual<Packet, true>(plan, state, p, a);
     const Packet numbers[6] = {p.x, p.y, p.z, a.x, a.y, a.z};

@@ -65,26 +65,32 @@ bool read_spaced_number(std::string_view text, std::size_t at, Word& word, std::
   return true;
 }
 
-/// The usual word: a letter, at once its number, then the end or a blank and a letter. False: nothing was read.
-bool read_plain_word(std::string_view text, std::size_t& at, Block& block) {
-  if (block.count == Block::kMaxWords) return false;
-  double value = 0;
-  int decimals = 0;
-  const char* const behind = read_plain_decimal(text.data() + at + 1, text.data() + text.size(), value, decimals);
-  if (behind == nullptr) return false;
-  const auto end = static_cast<std::size_t>(behind - text.data());
-  const std::size_t next = end + (end < text.size() && text[end] == ' ' ? 1 : 0);
-  if (next < text.size() && (text[next] < 'A' || text[next] > 'Z')) return false;
-  Word& word = block.words[static_cast<std::size_t>(block.count++)];
-  word.letter = text[at];
-  word.tidy = true;
-  word.begin = static_cast<std::uint16_t>(at);
-  word.number = static_cast<std::uint16_t>(at + 1);
-  word.end = block.words_end = static_cast<std::uint16_t>(end);
-  word.decimals = static_cast<std::uint16_t>(decimals);
-  word.value = value;
-  at = next;
-  return true;
+/// Usual words: a letter, at once its number, then the end or a blank and the next letter. Reads as many as there
+/// are from `at` on and returns where they end.
+std::size_t read_plain_words(std::string_view text, std::size_t at, Block& block) {
+  const char* const begin = text.data();
+  const char* const end = begin + text.size();
+  const char* p = begin + at;
+  const auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
+  int count = block.count;
+  while (p != end && is_capital(*p) && count < Block::kMaxWords) {
+    Word& word = block.words[static_cast<std::size_t>(count)];
+    int decimals = 0;
+    const char* const behind = read_plain_decimal(begin, p + 1, end, word.value, decimals);
+    if (behind == nullptr) break;
+    const char* const next = behind + (behind != end && *behind == ' ' ? 1 : 0);
+    if (next != end && !is_capital(*next)) break;
+    word.letter = *p;
+    word.tidy = true;
+    word.begin = static_cast<std::uint16_t>(p - begin);
+    word.number = static_cast<std::uint16_t>(word.begin + 1);
+    word.end = block.words_end = static_cast<std::uint16_t>(behind - begin);
+    word.decimals = static_cast<std::uint16_t>(decimals);
+    p = next;
+    ++count;
+  }
+  block.count = count;
+  return static_cast<std::size_t>(p - begin);
 }
 
 BlockError no_number(char letter, std::size_t at) {
@@ -131,7 +137,11 @@ std::optional<BlockError> read_words(std::string_view line, Block& block) {
       ++at;
       continue;
     }
-    if (c >= 'A' && c <= 'Z' && read_plain_word(text, at, block)) continue;
+    const std::size_t behind = read_plain_words(text, at, block);
+    if (behind != at) {
+      at = behind;
+      continue;
+    }
     at = skip_blanks(text, at);
     if (at == text.size()) break;
     switch (kind_of(text[at])) {

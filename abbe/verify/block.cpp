@@ -16,7 +16,7 @@ bool refuse(Fault& fault, std::size_t column, std::size_t length, const char* co
 }
 
 constexpr Letters kValueLetters =
-    letters('N', 'T', 'S', 'F', 'D', 'H', 'L', 'P', 'Q', 'R', 'X', 'Y', 'Z', 'I', 'J', 'K');
+    letters('N', 'T', 'S', 'F', 'D', 'H', 'L', 'P', 'Q', 'R', 'X', 'Y', 'Z', 'I', 'J', 'K', 'A', 'B', 'C');
 
 constexpr Letters kPlainLetters = kValueLetters & ~letters('N');
 
@@ -167,17 +167,42 @@ Decimal read_spaced_decimal(std::string_view text) {
   return decimal;
 }
 
+/// Usual words: a value letter, at once its number, then the end or a blank and the next letter. Reads as many as
+/// there are from p on and returns where they end.
+const char* plain_words(const char* begin, const char* p, const char* end, Block& block) {
+  Letters words = block.words;
+  while (p != end) {
+    const auto letter = static_cast<unsigned>(*p) - 'A';
+    if (letter >= 26 || (kPlainLetters & ~words & (Letters{1} << letter)) == 0) break;
+    double number = 0;
+    int decimals = 0;
+    const char* next = read_plain_decimal(begin, p + 1, end, number, decimals);
+    if (next == nullptr) break;
+    if (next != end && *next == ' ') ++next;
+    const bool ends = next == end || static_cast<unsigned>(*next) - 'A' < 26;
+    if (!ends || !(std::abs(number) <= kMaxNumber)) break;
+    words |= Letters{1} << letter;
+    block.value[letter] = number;
+    block.column[letter] = static_cast<std::uint8_t>(p - begin + 1);
+    p = next;
+  }
+  block.words = words;
+  return p;
+}
+
 class Scanner {
  public:
-  Scanner(std::string_view line, Block& block, Fault& fault) : line_(line), block_(block), fault_(fault) {}
+  /// `at` bytes were plain words.
+  Scanner(std::string_view line, std::size_t at, Block& block, Fault& fault, std::span<const TcpCode> tcp_codes)
+      : line_(line), block_(block), fault_(fault), at_(at), tcp_codes_(tcp_codes) {}
 
   bool scan() {
-    skip_blanks();
-    if (at_ < line_.size() && line_[at_] == '/') {
+    bool first = at_ == 0;
+    if (first) skip_blanks();
+    if (first && at_ < line_.size() && line_[at_] == '/') {
       block_.deletable = true;
       ++at_;
     }
-    bool first = true;
     while (at_ < line_.size()) {
       const char c = line_[at_];
       if (is_blank(c)) {
@@ -186,7 +211,11 @@ class Scanner {
       }
       const char upper = static_cast<char>(static_cast<unsigned char>(c) & 0xDFu);
       if (upper >= 'A' && upper <= 'Z') {
-        if (!plain_words() && !word(upper, first)) return false;
+        const char* const begin = line_.data();
+        const char* const behind = plain_words(begin, begin + at_, begin + line_.size(), block_);
+        const bool plain = behind != begin + at_;
+        at_ = static_cast<std::size_t>(behind - begin);
+        if (!plain && !word(upper, first)) return false;
         first = false;
       } else if (c == '(' || c == ';') {
         if (!comment(c)) return false;
@@ -238,34 +267,6 @@ class Scanner {
                   "their value is known only to the control", "post the program with literal numbers");
   }
 
-  /// Usual words: a value letter, at once its number, then the end or a blank and the next letter. Reads as
-  /// many as there are; false: none.
-  bool plain_words() {
-    const char* const begin = line_.data();
-    const char* const end = begin + line_.size();
-    const char* p = begin + at_;
-    Letters words = block_.words;
-    while (p != end) {
-      const auto letter = static_cast<unsigned>(*p) - 'A';
-      if (letter >= 26 || (kPlainLetters & ~words & (Letters{1} << letter)) == 0) break;
-      double number = 0;
-      int decimals = 0;
-      const char* next = read_plain_decimal(p + 1, end, number, decimals);
-      if (next == nullptr) break;
-      if (next != end && *next == ' ') ++next;
-      const bool ends = next == end || static_cast<unsigned>(*next) - 'A' < 26;
-      if (!ends || !(std::abs(number) <= kMaxNumber)) break;
-      words |= Letters{1} << letter;
-      block_.value[letter] = number;
-      block_.column[letter] = static_cast<std::uint8_t>(p - begin + 1);
-      p = next;
-    }
-    if (p == begin + at_) return false;
-    block_.words = words;
-    at_ = static_cast<std::size_t>(p - begin);
-    return true;
-  }
-
   bool word(char letter, bool first) {
     const std::size_t column = at_ + 1;
     ++at_;
@@ -307,7 +308,10 @@ class Scanner {
   bool g_word(double value, std::size_t column) {
     int code = -1;
     if (!whole(value * 10, code)) code = -1;
+    const bool switches = tcp_switch('G', code);
+    if (switches && code == 434) code = 430;  // G43.4 H applies the tool length as G43 does
     const int group = g_group(code);
+    if (switches && group < 0) return true;
     const std::size_t length = at_ + 1 - column;
     if (group < 0) {
       if (code == 410 || code == 411 || code == 420 || code == 421)
@@ -334,9 +338,22 @@ class Scanner {
     return true;
   }
 
+  /// Notes a code that switches tool centre point control; false: it is none.
+  bool tcp_switch(char letter, int code) {
+    for (const TcpCode& known : tcp_codes_) {
+      if (known.letter != letter || known.code != code) continue;
+      block_.tcp_letter = letter;
+      block_.tcp_code = code;
+      block_.tcp = known.on;
+      return true;
+    }
+    return false;
+  }
+
   bool m_word(double value, std::size_t column) {
     int code = -1;
     if (!whole(value, code)) code = -1;
+    if (tcp_switch('M', 10 * code)) return true;
     const int group = m_group(code);
     const std::size_t length = at_ + 1 - column;
     if (group < 0)
@@ -358,13 +375,9 @@ class Scanner {
     const std::size_t length = at_ + 1 - column;
     const Letters bit = letter_bit(letter);
     if ((kValueLetters & bit) == 0) {
-      if (letter == 'A' || letter == 'B' || letter == 'C')
-        return refuse(fault_, column, length, "E-ROTARY", fmt::format("rotary word {}", letter),
-                      "programs with rotary motion are not compensated",
-                      "compensate the 3-axis parts of the program apart");
       if (letter == 'U' || letter == 'V' || letter == 'W')
         return refuse(fault_, column, length, "E-AXIS", fmt::format("secondary axis word {}", letter),
-                      "only X Y Z are compensated in programs", "program with X Y Z only");
+                      "only X Y Z and A B C are compensated in programs", "program without it");
       return refuse(fault_, column, length, "E-WORD", fmt::format("word {} is not understood", letter),
                     "an unknown word may change what the block does", "remove it");
     }
@@ -383,22 +396,27 @@ class Scanner {
   std::string_view line_;
   Block& block_;
   Fault& fault_;
-  std::size_t at_ = 0;
+  std::size_t at_;
+  std::span<const TcpCode> tcp_codes_;
 };
 
 }  // namespace
 
-bool read_block(std::string_view line, Block& block, Fault& fault) {
+bool read_block(std::string_view line, Block& block, Fault& fault, std::span<const TcpCode> tcp_codes) {
   block.words = 0;
   block.g_groups = 0;
   block.m_groups = 0;
+  block.tcp_code = -1;
   block.deletable = false;
   block.comment_count = 0;
   if (line.size() > kMaxBlockLength)
     return refuse(fault, kMaxBlockLength + 1, 1, "E-LINELEN",
                   fmt::format("the line has {} bytes, the control reads {}", line.size(), kMaxBlockLength),
                   "LinuxCNC stops at longer lines", "shorten the line");
-  return Scanner(line, block, fault).scan();
+  const char* const begin = line.data();
+  const char* const behind = plain_words(begin, begin, begin + line.size(), block);
+  const auto plain = static_cast<std::size_t>(behind - begin);
+  return plain == line.size() || Scanner(line, plain, block, fault, tcp_codes).scan();
 }
 
 }  // namespace abbe::verifying
