@@ -35,10 +35,9 @@ inline constexpr double kLargestSample = 1e100;
 
 /// True if every sample is a number of magnitude at most kLargestSample.
 [[nodiscard]] inline bool all_finite(std::span<const double> y) {
-  for (const double value : y) {
-    if (!(std::abs(value) <= kLargestSample)) return false;
-  }
-  return true;
+  bool finite = true;  // no early end: the loop runs in vectors
+  for (const double value : y) finite &= std::abs(value) <= kLargestSample;
+  return finite;
 }
 
 }  // namespace abbe
