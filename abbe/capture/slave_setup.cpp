@@ -35,11 +35,12 @@ std::optional<Window> window_of(const SlaveSetup& slave, int k) {
   return w;
 }
 
-/// The sync manager of process data whose memory holds that address.
+/// The sync manager whose memory holds that address. Also one in mailbox mode: simple outputs use single
+/// buffers.
 std::optional<int> sync_manager_at(const SlaveSetup& slave, std::uint16_t physical) {
   for (int k = 0; k < kSyncManagers; ++k) {
     const SyncManagerState sm = sync_manager_of(slave, k);
-    if (!sm.mailbox && physical >= sm.start && physical < sm.start + sm.length) return k;
+    if (physical >= sm.start && physical < sm.start + sm.length) return k;
   }
   return std::nullopt;
 }

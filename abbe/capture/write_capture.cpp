@@ -46,19 +46,34 @@ std::optional<std::uint64_t> raw_of(const PdoObject& object, double value) {
                    : static_cast<std::uint64_t>(rounded);
 }
 
-/// A signal and where its bits go in the image.
+/// A signal and where its bits go in the data of its datagram.
 struct Placed {
   const CaptureColumn* column;
   const PdoObject* object;
   std::size_t at;
 };
 
-/// The image of the process data: its address, length and signals.
+/// One datagram of process data: a stretch of the logical image without large gaps.
+struct Part {
+  std::uint64_t begin = 0, end = 0;  ///< logical bytes
+  bool inputs = false, outputs = false;
+  std::uint16_t readers = 0, writers = 0;  ///< slaves that take outputs from it, that put inputs into it
+  std::vector<Placed> signals[2];          ///< inputs, outputs
+
+  [[nodiscard]] std::size_t bytes() const { return static_cast<std::size_t>(end - begin); }
+  [[nodiscard]] EcatCommand command() const {
+    if (inputs && outputs) return EcatCommand::lrw;
+    return inputs ? EcatCommand::lrd : EcatCommand::lwr;
+  }
+  /// A slave counts 1 for reading or writing; in an LRW 2 for what it takes.
+  [[nodiscard]] std::uint16_t working_counter() const {
+    return static_cast<std::uint16_t>(writers + (command() == EcatCommand::lrw ? 2 : 1) * readers);
+  }
+};
+
+/// The process data of a cycle and the slaves it is for.
 struct Image {
-  std::uint32_t address = 0;
-  std::size_t bytes = 0;
-  std::uint16_t working_counter = 0;
-  std::vector<Placed> outputs, inputs;
+  std::vector<Part> parts;
   std::uint16_t reference = 0;  ///< station of the first slave
   std::uint16_t slaves = 0;
 };
@@ -97,38 +112,53 @@ std::optional<Diagnostic> place_columns(const ProcessMap& map, std::span<const C
       return misfit(fmt::format("no object of the map is named {}", column.name),
                     like ? fmt::format("did you mean {}?", *like) : std::string());
     }
-    auto& side = object->direction == PdoDirection::output ? image.outputs : image.inputs;
-    side.push_back(
-        {&column, &*object, static_cast<std::size_t>(object->bit - std::uint64_t{image.address} * 8)});
+    for (Part& part : image.parts) {
+      if (object->bit / 8 < part.begin || object->bit / 8 >= part.end) continue;
+      part.signals[object->direction == PdoDirection::output ? 1 : 0].push_back(
+          {&column, &*object, static_cast<std::size_t>(object->bit - part.begin * 8)});
+    }
   }
   return std::nullopt;
+}
+
+/// Stretches of the image, cut where nothing is for longer than a datagram's own 12 bytes.
+std::vector<Part> parts_of(std::vector<SlaveRange> ranges) {
+  constexpr std::uint64_t kOverhead = 12;
+  std::sort(ranges.begin(), ranges.end(),
+            [](const SlaveRange& a, const SlaveRange& b) { return a.begin < b.begin; });
+  std::vector<Part> parts;
+  for (const SlaveRange& range : ranges) {
+    const std::uint64_t begin = range.begin / 8, end = (range.end + 7) / 8;
+    if (parts.empty() || begin > parts.back().end + kOverhead)
+      parts.push_back({begin, end, false, false, 0, 0, {}});
+    Part& part = parts.back();
+    part.end = std::max(part.end, end);
+    const bool input = range.direction == PdoDirection::input;
+    (input ? part.inputs : part.outputs) = true;
+    ++(input ? part.writers : part.readers);
+  }
+  return parts;
 }
 
 std::variant<Image, Diagnostic> make_image(const ProcessMap& map, std::span<const CaptureColumn> columns) {
   if (map.objects.empty()) return misfit("the process-data map is empty");
   if (const auto mistake = map_mistake(map)) return misfit(*mistake, "correct the process-data map");
   Image image;
-  std::uint64_t begin = map.objects.front().bit, end = 0;
   const std::vector<SlaveRange> ranges = slave_ranges(map);
   for (const SlaveRange& range : ranges) {
     if (!can_be_mapped(range))
       return misfit(
           fmt::format("the objects of slave {} cannot be mapped by PDOs in this order", range.station),
           "let the objects of one PDO stand together, at most 254 of them");
-    begin = std::min(begin, range.begin);
-    end = std::max(end, range.end);
-    // A slave counts 1 for what it read from, 2 for what it wrote to the process data of an LRW.
-    image.working_counter =
-        static_cast<std::uint16_t>(image.working_counter + (range.direction == PdoDirection::input ? 1 : 2));
     if (image.slaves == 0 || image.reference != range.station) ++image.slaves;
     image.reference = range.station;
   }
   image.reference = ranges.front().station;
-  image.address = static_cast<std::uint32_t>(begin / 8);
-  const std::uint64_t bytes = (end + 7) / 8 - begin / 8;
+  image.parts = parts_of(ranges);
+  std::uint64_t bytes = 0;
+  for (const Part& part : image.parts) bytes += part.bytes() + 12;
   if (bytes > kMostImage)
-    return misfit(fmt::format("the process image has {} bytes; {} fit into one frame", bytes, kMostImage));
-  image.bytes = static_cast<std::size_t>(bytes);
+    return misfit(fmt::format("the process data takes {} bytes of a frame; {} fit", bytes, kMostImage));
   if (auto d = place_columns(map, columns, image)) return *d;
   return image;
 }
@@ -168,23 +198,29 @@ std::optional<Diagnostic> write_capture(const ProcessMap& map, std::span<const C
 
   const std::size_t steps = settings.startup ? write_startup(map, 0, kStep, nullptr) : 0;
   const std::int64_t since = settings.start_ns - static_cast<std::int64_t>(steps + 1) * kStep;
-  FrameWriter writer(settings, since, out);
+  FrameWriter writer(settings, since - kStep, out);
   if (settings.startup) write_startup(map, since, kStep, &writer);
 
-  std::vector<SentDatagram> cyclic(settings.clock ? 2 : 1);
-  SentDatagram& data = cyclic.back();
-  data = {EcatCommand::lrw, image.address, std::vector<std::uint8_t>(image.bytes),
-          std::vector<std::uint8_t>(image.bytes), image.working_counter};
+  std::vector<SentDatagram> cyclic(settings.clock ? 1 : 0);
+  for (const Part& part : image.parts) {
+    const std::vector<std::uint8_t> zeros(part.bytes());
+    cyclic.push_back(
+        {part.command(), static_cast<std::uint32_t>(part.begin), zeros, zeros, part.working_counter()});
+  }
   const std::size_t cycles = columns.front().values.size();
   for (std::size_t cycle = 0; cycle < cycles && writer.ok(); ++cycle) {
     const auto time = settings.start_ns + std::llround(static_cast<double>(cycle) * settings.cycle * 1e9);
     if (settings.clock)
-      cyclic.front() = {EcatCommand::frmw, device_address(image.reference, 0x0910), clock_bytes(0),
-                        clock_bytes(time + FrameWriter::kRoundTrip), image.slaves};
-    if (auto d = fill(image.outputs, cycle, data.out)) return d;
-    // What the slaves read stays in the frame, what they give replaces what was there.
-    data.back = data.out;
-    if (auto d = fill(image.inputs, cycle, data.back)) return d;
+      cyclic.front() = {EcatCommand::frmw, device_address(image.reference, 0x0910),
+                        clock_bytes(kEpochOfClock), clock_bytes(time + FrameWriter::kRoundTrip),
+                        image.slaves};
+    for (std::size_t i = 0; i < image.parts.size(); ++i) {
+      SentDatagram& data = cyclic[i + (settings.clock ? 1 : 0)];
+      if (auto d = fill(image.parts[i].signals[1], cycle, data.out)) return d;
+      // What the slaves take stays in the frame, what they give replaces what was there.
+      data.back = data.out;
+      if (auto d = fill(image.parts[i].signals[0], cycle, data.back)) return d;
+    }
     writer.exchange(time, cyclic);
   }
   if (!writer.ok()) {
