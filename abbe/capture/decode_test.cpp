@@ -195,8 +195,8 @@ TEST(Decode, GapsShortCountersAndLostFramesAreCounted) {
   auto packets = packets_of(file.bytes());
   const std::size_t first = packets.size() - 200;
   packets[first + 2 * 40 + 1][packets[0].size() > 0 ? packets[first + 81].size() - 2 : 0] =
-  // The counter of the LRW stands behind its 40 bytes: 16 + 14 + 2 + (10 + 8 + 2) + 10 + 40.
-  packets[first + 2 * 40 + 1][16 + 14 + 2 + 20 + 10 + 40] = 5;
+      // The counter of the LRW stands behind its 40 bytes: 16 + 14 + 2 + (10 + 8 + 2) + 10 + 40.
+      packets[first + 2 * 40 + 1][16 + 14 + 2 + 20 + 10 + 40] = 5;
   packets.erase(packets.begin() + static_cast<std::ptrdiff_t>(first + 2 * 60),
                 packets.begin() + static_cast<std::ptrdiff_t>(first + 2 * 63));
   put_packets(file, packets);
