@@ -73,10 +73,15 @@ def compare(abbe, path):
         for what, a, b in pairs:
             if a != b:
                 sys.exit(f"{path}: packet {number}: {what}: abbe {a}, tshark {b}")
-        # Of registers tshark prints meanings, not bytes: those that it prints are among ours, in order.
+        # Process data are printed as they are. Of registers and mailboxes tshark prints meanings, and of their bytes
+        # only those without one: a part of ours.
+        printed = [text.replace(":", "") for text in t["ecat.data"]]
+        for row in logical:
+            if row["data"] not in printed:
+                sys.exit(f"{path}: packet {number}: process data {row['data']}, tshark {printed}")
         data = iter(r["data"] for r in rows)
-        for text in t["ecat.data"]:
-            if text.replace(":", "") not in data:
+        for text in printed:
+            if not any(text in ours_here for ours_here in data):
                 sys.exit(f"{path}: packet {number}: data {text} is not ours")
         count += len(rows)
     return count
