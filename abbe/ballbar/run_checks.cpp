@@ -52,9 +52,9 @@ class Checks {
     const double travel = travel_of(run_);
     if (travel < kShortestArc || travel > kMostTravel || travel < 0.9 * variation) {
       error("E-ANGLE",
-            travel < kShortestArc      ? fmt::format("the angle covers {:.1f} deg only", travel / deg)
-            : travel > kMostTravel     ? fmt::format("the angle covers {:.0f} turns", travel / kTurn)
-                                       : std::string("the angle goes to and fro"),
+            variation < kShortestArc ? fmt::format("the angle covers {:.1f} deg only", travel / deg)
+            : travel > kMostTravel   ? fmt::format("the angle covers {:.0f} turns", travel / kTurn)
+                                     : std::string("the angle goes to and fro"),
             "a run is one arc in one direction", "correct angle_deg, or number the runs in a column 'run'");
       return false;
     }
