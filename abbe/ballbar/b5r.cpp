@@ -75,15 +75,16 @@ Parsed<B5rReport> read_b5r(const std::string& file, std::string_view text) {
   pugi::xml_document document;
   const pugi::xml_parse_result result = document.load_buffer(text.data(), text.size());
   if (!result) {
-    out.diagnostics.push_back(finding(file, fmt::format("not XML: {} at byte {}", result.description(), result.offset),
-                                      "export the test from Ballbar 20 again"));
+    out.diagnostics.push_back(
+        finding(file, fmt::format("not XML: {} at byte {}", result.description(), result.offset),
+                "export the test from Ballbar 20 again"));
     return out;
   }
   ByName walker;
   document.traverse(walker);
   for (const std::string& name : walker.bad)
-    out.diagnostics.push_back(
-        finding(file, fmt::format("the feature '{}' has no number", name.substr(0, 60)), "analyse the test again"));
+    out.diagnostics.push_back(finding(file, fmt::format("the feature '{}' has no number", name.substr(0, 60)),
+                                      "analyse the test again"));
   if (walker.report.features.empty() && walker.bad.empty())
     out.diagnostics.push_back(finding(file, "no FEATURE in the file", "only analysed tests have features"));
   if (out.diagnostics.empty()) out.value = std::move(walker.report);

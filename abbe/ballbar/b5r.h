@@ -11,9 +11,9 @@ namespace abbe {
 
 /// One analysed figure of a Renishaw Ballbar 20 file as it states it.
 struct B5rFeature {
-  std::string name;   ///< "AF_SQUARENESS"
-  std::string type;   ///< "UT_SQUARENESS"
-  std::string unit;   ///< of `value`: "um/m", "ms", "um", ..; empty if the type is not known
+  std::string name;  ///< "AF_SQUARENESS"
+  std::string type;  ///< "UT_SQUARENESS"
+  std::string unit;  ///< of `value`: "um/m", "ms", "um", ..; empty if the type is not known
   double value = 0;
 };
 

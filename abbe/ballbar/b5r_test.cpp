@@ -47,8 +47,10 @@ TEST(B5r, AnyBytesGiveAValueOrReasons) {
     std::string text = kReport;
     for (int k = 0; k < 4; ++k) {
       const std::size_t at = random() % text.size();
-      if (random() % 2 == 0) text[at] = static_cast<char>(random());
-      else text.erase(at, random() % 30);
+      if (random() % 2 == 0)
+        text[at] = static_cast<char>(random());
+      else
+        text.erase(at, random() % 30);
     }
     const auto read = read_b5r("a.b5r", text);
     ASSERT_EQ(read.value.has_value(), !has_errors(read.diagnostics));

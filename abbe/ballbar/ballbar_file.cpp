@@ -34,7 +34,18 @@ std::string lower(std::string_view text) {
 }
 
 /// What a column holds; `none` is ignored.
-enum class Column { none, angle, deviation_um, deviation_mm, length, time, run, direction, actual, commanded };
+enum class Column {
+  none,
+  angle,
+  deviation_um,
+  deviation_mm,
+  length,
+  time,
+  run,
+  direction,
+  actual,
+  commanded
+};
 
 struct ColumnMeaning {
   Column column = Column::none;
@@ -178,9 +189,8 @@ class Reader {
       any = any || meaning.column != Column::none;
     }
     const auto has = [&](Column column, int axis = 0) {
-      return std::any_of(columns_.begin(), columns_.end(), [&](const ColumnMeaning& m) {
-        return m.column == column && m.axis == axis;
-      });
+      return std::any_of(columns_.begin(), columns_.end(),
+                         [&](const ColumnMeaning& m) { return m.column == column && m.axis == axis; });
     };
     if (!any) {
       error("E-CSV", "no header row with names of columns", "without names nobody knows what the numbers are",
@@ -260,14 +270,29 @@ class Reader {
       return false;
     }
     switch (meaning.column) {
-      case Column::angle: row.angle = *number; break;
-      case Column::deviation_um: row.deviation = *number * um; break;
-      case Column::deviation_mm: row.deviation = *number; break;
-      case Column::length: row.deviation = *number; break;
-      case Column::time: row.time = *number; break;
-      case Column::actual: row.actual[meaning.axis] = *number; break;
-      case Column::commanded: row.commanded[meaning.axis] = *number; break;
-      default: break;
+      case Column::angle:
+        row.angle = *number;
+        break;
+      case Column::deviation_um:
+        row.deviation = *number * um;
+        break;
+      case Column::deviation_mm:
+        row.deviation = *number;
+        break;
+      case Column::length:
+        row.deviation = *number;
+        break;
+      case Column::time:
+        row.time = *number;
+        break;
+      case Column::actual:
+        row.actual[meaning.axis] = *number;
+        break;
+      case Column::commanded:
+        row.commanded[meaning.axis] = *number;
+        break;
+      default:
+        break;
     }
     return true;
   }
@@ -281,8 +306,10 @@ class Reader {
       if (!from_file) error("E-BALLBAR", fmt::format("the file does not say the {}", what), "", fix);
       return from_file.has_value();
     };
-    bool complete = required(test_plane_, defaults_.plane, "plane of the test", "add '# plane: XY' or --plane XY");
-    complete &= required(radius_, defaults_.radius, "nominal radius", "add '# radius_mm: 150' or --radius 150");
+    bool complete =
+        required(test_plane_, defaults_.plane, "plane of the test", "add '# plane: XY' or --plane XY");
+    complete &=
+        required(radius_, defaults_.radius, "nominal radius", "add '# radius_mm: 150' or --radius 150");
     complete &= required(feed_, defaults_.feed, "feed", "add '# feed_mm_per_min: 1000' or --feed 1000");
     if (!complete || has_errors(findings_)) return;
     test_.plane = *test_plane_;
@@ -306,7 +333,8 @@ class Reader {
   }
 
   void wrong_key(std::string_view key, std::string_view value, std::string_view expected) {
-    error("E-BALLBAR", fmt::format("{} is '{}', expected {}", key, std::string(value.substr(0, 60)), expected), "",
+    error("E-BALLBAR",
+          fmt::format("{} is '{}', expected {}", key, std::string(value.substr(0, 60)), expected), "",
           "correct the line");
   }
   void error(std::string code, std::string message, std::string why, std::string fix) {
@@ -320,7 +348,8 @@ class Reader {
     Diagnostic finding;
     finding.severity = severity;
     finding.code = std::move(code);
-    finding.place = {test_.file, number_, number_ == 0 ? 0U : 1U, 1, std::string(trimmed(line_).substr(0, 200))};
+    finding.place = {test_.file, number_, number_ == 0 ? 0U : 1U, 1,
+                     std::string(trimmed(line_).substr(0, 200))};
     finding.message = std::move(message);
     finding.why = std::move(why);
     finding.fix = std::move(fix);
@@ -382,8 +411,8 @@ std::string write_ballbar(const BallbarTest& test) {
   for (std::size_t k = 0; k < test.runs.size(); ++k) {
     const BallbarRun& run = test.runs[k];
     for (std::size_t i = 0; i < run.angle.size(); ++i) {
-      out += fmt::format("{},{},{},{}", k + 1, run.direction > 0 ? "CCW" : "CW", to_shortest(run.angle[i] / deg),
-                         to_shortest(run.deviation[i] / um));
+      out += fmt::format("{},{},{},{}", k + 1, run.direction > 0 ? "CCW" : "CW",
+                         to_shortest(run.angle[i] / deg), to_shortest(run.deviation[i] / um));
       if (time) out += ',' + to_shortest(run.time[i]);
       if (actual) append_vector(out, run.actual[i]);
       if (commanded) append_vector(out, run.commanded[i]);

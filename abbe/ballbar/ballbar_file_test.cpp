@@ -44,11 +44,15 @@ TEST(BallbarFile, PlainTableWithKeys) {
 
 TEST(BallbarFile, BareTableTakesDefaults) {
   BallbarDefaults defaults{TestPlane{1, 2}, 150.0, 10.0, std::nullopt};
-  const auto read = read_ballbar("a.csv", "angle_deg;radius_mm\r\n0;150.001\r\n" + [] {
-    std::string rows;
-    for (int i = 1; i < 20; ++i) rows += std::to_string(-i * 5) + ";150\r\n";
-    return rows;
-  }(), defaults);
+  const auto read = read_ballbar(
+      "a.csv",
+      "angle_deg;radius_mm\r\n0;150.001\r\n" +
+          [] {
+            std::string rows;
+            for (int i = 1; i < 20; ++i) rows += std::to_string(-i * 5) + ";150\r\n";
+            return rows;
+          }(),
+      defaults);
   ASSERT_TRUE(read.value) << codes(read);
   EXPECT_EQ(read.value->runs[0].direction, -1);
   EXPECT_NEAR(read.value->runs[0].deviation[0], 1 * um, 1e-12);
@@ -153,7 +157,8 @@ TEST(BallbarFile, SwappedAxesAreSeenInThePositions) {
 
 TEST(BallbarFile, TimeContradictsTheDirection) {
   std::string text = kKeys + "direction,angle_deg,deviation_um,time_s\n";
-  for (int i = 0; i < 40; ++i) text += "CW," + std::to_string(i * 9) + "," + std::to_string(i) + "," + std::to_string(i) + "\n";
+  for (int i = 0; i < 40; ++i)
+    text += "CW," + std::to_string(i * 9) + "," + std::to_string(i) + "," + std::to_string(i) + "\n";
   EXPECT_THAT(codes(read_ballbar("a.csv", text)), HasSubstr("the direction is CW, but the angle grows"));
 }
 
@@ -161,7 +166,8 @@ TEST(BallbarFile, AnyBytesGiveAValueOrReasons) {
   std::mt19937 random(11);
   const std::string valid = kKeys + "run,direction,angle_deg,deviation_um,time_s\n" + [] {
     std::string rows;
-    for (int i = 0; i < 40; ++i) rows += "1,CCW," + std::to_string(i * 9) + ".5,-0.25," + std::to_string(i) + "\n";
+    for (int i = 0; i < 40; ++i)
+      rows += "1,CCW," + std::to_string(i * 9) + ".5,-0.25," + std::to_string(i) + "\n";
     return rows;
   }();
   constexpr std::string_view kBytes = "#,;:\n\r\t 019.eE+-nanCW\xEF\xBB\xBF\x00\xFF";
@@ -171,10 +177,18 @@ TEST(BallbarFile, AnyBytesGiveAValueOrReasons) {
     for (int k = 0; k < changes && !text.empty(); ++k) {
       const std::size_t at = random() % text.size();
       switch (random() % 4) {
-        case 0: text[at] = kBytes[random() % kBytes.size()]; break;
-        case 1: text.erase(at, random() % 40); break;
-        case 2: text.insert(at, text.substr(random() % text.size(), random() % 40)); break;
-        default: text.insert(at, 1, static_cast<char>(random())); break;
+        case 0:
+          text[at] = kBytes[random() % kBytes.size()];
+          break;
+        case 1:
+          text.erase(at, random() % 40);
+          break;
+        case 2:
+          text.insert(at, text.substr(random() % text.size(), random() % 40));
+          break;
+        default:
+          text.insert(at, 1, static_cast<char>(random()));
+          break;
       }
     }
     const auto read = read_ballbar("a.csv", text);

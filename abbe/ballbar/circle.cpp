@@ -11,10 +11,10 @@
 namespace abbe {
 namespace {
 
-constexpr double kSameAngle = 1e-6;   // rad: closer points are one for the start of the exchange
-constexpr double kTouches = 1e-13;    // relative to the largest deviation
+constexpr double kSameAngle = 1e-6;  // rad: closer points are one for the start of the exchange
+constexpr double kTouches = 1e-13;   // relative to the largest deviation
 constexpr int kMostExchanges = 2000;
-constexpr int kGreedyExchanges = 500; // then the first violation instead of the largest: no cycles
+constexpr int kGreedyExchanges = 500;  // then the first violation instead of the largest: no cycles
 
 bool usable(std::span<const double> angle, std::span<const double> deviation) {
   if (angle.size() != deviation.size() || angle.size() < 3) return false;
@@ -87,7 +87,9 @@ class MinimumZone {
         if (const double d = distance(i); d > most) most = d, best = i;
       return std::pair{best, most};
     };
-    const auto apart = [&](std::size_t i, std::size_t j) { return std::abs(std::sin((angle_[i] - angle_[j]) / 2)); };
+    const auto apart = [&](std::size_t i, std::size_t j) {
+      return std::abs(std::sin((angle_[i] - angle_[j]) / 2));
+    };
     const auto [second, d2] = farthest([&](std::size_t i) { return apart(i, 0); });
     const std::size_t other = second;
     const auto [third, d3] = farthest([&](std::size_t i) { return apart(i, 0) * apart(i, other); });
@@ -149,7 +151,8 @@ FittedCircle least_squares_circle(std::span<const double> angle, std::span<const
 FittedCircle minimum_zone_circle(std::span<const double> angle, std::span<const double> deviation) {
   FittedCircle circle;
   Eigen::Vector4d zone = Eigen::Vector4d::Zero();
-  if (!usable(angle, deviation) || !MinimumZone(angle, deviation).solve(zone) || !zone.allFinite()) return circle;
+  if (!usable(angle, deviation) || !MinimumZone(angle, deviation).solve(zone) || !zone.allFinite())
+    return circle;
   circle.x = zone[2];
   circle.y = zone[3];
   circle.found = true;

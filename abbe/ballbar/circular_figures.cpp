@@ -53,7 +53,8 @@ TestFigures circular_figures(const BallbarTest& test) {
   out.least_squares_both = least_squares_circle(path.angle, path.deviation);
   out.minimum_zone_both = minimum_zone_circle(path.angle, path.deviation);
   // D = (mean_ccw + mean_cw) / 2
-  out.mean_radial_deviation = (out.directions[0].least_squares.mean + out.directions[1].least_squares.mean) / 2;
+  out.mean_radial_deviation =
+      (out.directions[0].least_squares.mean + out.directions[1].least_squares.mean) / 2;
   return out;
 }
 

@@ -10,12 +10,12 @@ namespace abbe {
 /// Figures of one direction of contouring, in the manner of ISO 230-4; lengths in mm.
 struct CircularFigures {
   int direction = +1;
-  FittedCircle least_squares;    ///< G about the least-squares centre
-  FittedCircle minimum_zone;     ///< G about the centre of the narrowest zone
-  double f_max = 0, f_min = 0;   ///< F: radial deviation from the nominal path about the least-squares
-                                 ///< centre; positive = away from the centre; contains the size error
+  FittedCircle least_squares;   ///< G about the least-squares centre
+  FittedCircle minimum_zone;    ///< G about the centre of the narrowest zone
+  double f_max = 0, f_min = 0;  ///< F: radial deviation from the nominal path about the least-squares
+                                ///< centre; positive = away from the centre; contains the size error
   double f_max_set_up = 0, f_min_set_up = 0;  ///< F about the centre as it was set up
-  double travel = 0;             ///< rad covered by the runs
+  double travel = 0;                          ///< rad covered by the runs
   std::size_t samples = 0;
 };
 

@@ -14,8 +14,8 @@ namespace {
 constexpr double kPrinted = 6e-10;   // um: the worked numbers have nine decimals
 constexpr double kRounding = 1e-12;  // mm
 
-/// 36 points every 10 deg in um: 2 + 3 cos 2t - 1.5 sin 2t + 1.2 sin 3t + 0.7 cos 5t counter-clockwise, the signs of
-/// the second and the last turned clockwise.
+/// 36 points every 10 deg in um: 2 + 3 cos 2t - 1.5 sin 2t + 1.2 sin 3t + 0.7 cos 5t counter-clockwise, the
+/// signs of the second and the last turned clockwise.
 BallbarTest worked_example() {
   BallbarTest test;
   test.radius = 100;
@@ -91,7 +91,8 @@ TEST(MinimumZone, MinimumZoneIsNoWiderThanAnyOther) {
       return high - low;
     };
     for (int k = 0; k < 50; ++k)
-      EXPECT_LE(zone.width(), width_about(zone.x + 0.3 * noise(random), zone.y + 0.3 * noise(random)) + kRounding);
+      EXPECT_LE(zone.width(),
+                width_about(zone.x + 0.3 * noise(random), zone.y + 0.3 * noise(random)) + kRounding);
     for (const double step : {-1e-6, 1e-6}) {
       EXPECT_LE(zone.width(), width_about(zone.x + step, zone.y) + kRounding);
       EXPECT_LE(zone.width(), width_about(zone.x, zone.y + step) + kRounding);

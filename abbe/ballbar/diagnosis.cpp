@@ -97,7 +97,8 @@ class PitchSearch {
       cc += c * c, ss += s * s, cs += c * s, rc += r * c, rs += r * s;
     }
     const double determinant = cc * ss - cs * cs;
-    return determinant > 1e-9 * cc * ss ? (rc * rc * ss - 2 * rc * rs * cs + rs * rs * cc) / determinant : 0.0;
+    return determinant > 1e-9 * cc * ss ? (rc * rc * ss - 2 * rc * rs * cs + rs * rs * cc) / determinant
+                                        : 0.0;
   }
   [[nodiscard]] double power_at(double frequency) const {
     std::vector<std::complex<double>> wave;
@@ -171,17 +172,28 @@ Diagnosis diagnose(const BallbarTest& test, const DiagnosisOptions& options) {
 std::string_view to_string(DiagnosisTerm::Kind kind) {
   using Kind = DiagnosisTerm::Kind;
   switch (kind) {
-    case Kind::centre: return "centre offset";
-    case Kind::radius: return "radius";
-    case Kind::scale_mismatch: return "scale mismatch";
-    case Kind::squareness: return "squareness";
-    case Kind::servo_mismatch: return "servo mismatch";
-    case Kind::backlash: return "backlash";
-    case Kind::lateral_play: return "lateral play";
-    case Kind::straightness: return "straightness";
-    case Kind::cyclic_cosine: return "cyclic, cosine";
-    case Kind::cyclic_sine: return "cyclic, sine";
-    case Kind::spike: return "reversal spike";
+    case Kind::centre:
+      return "centre offset";
+    case Kind::radius:
+      return "radius";
+    case Kind::scale_mismatch:
+      return "scale mismatch";
+    case Kind::squareness:
+      return "squareness";
+    case Kind::servo_mismatch:
+      return "servo mismatch";
+    case Kind::backlash:
+      return "backlash";
+    case Kind::lateral_play:
+      return "lateral play";
+    case Kind::straightness:
+      return "straightness";
+    case Kind::cyclic_cosine:
+      return "cyclic, cosine";
+    case Kind::cyclic_sine:
+      return "cyclic, sine";
+    case Kind::spike:
+      return "reversal spike";
   }
   return {};
 }

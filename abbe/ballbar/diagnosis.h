@@ -39,29 +39,29 @@ struct DiagnosisTerm {
     cyclic_sine,     ///< mm
     spike,           ///< mm
   } kind = Kind::centre;
-  std::string axis;         ///< "X"; of spikes "X+" (reversal at the positive end); empty: of the plane
+  std::string axis;  ///< "X"; of spikes "X+" (reversal at the positive end); empty: of the plane
   double value = 0;
-  double uncertainty = 0;   ///< standard uncertainty; 0 where not separable
-  double effect = 0;        ///< largest radial effect over the samples, mm
-  bool separable = true;    ///< false: these runs do not tell it from the others
+  double uncertainty = 0;  ///< standard uncertainty; 0 where not separable
+  double effect = 0;       ///< largest radial effect over the samples, mm
+  bool separable = true;   ///< false: these runs do not tell it from the others
 };
 
 struct DiagnosisOptions {
   /// Screw pitches of the first and second axis, mm; nothing: no cyclic error is fitted.
   std::array<std::optional<double>, 2> pitch;
-  bool find_pitch = true;   ///< looks for the strongest cyclic error of each axis where no pitch is given
+  bool find_pitch = true;  ///< looks for the strongest cyclic error of each axis where no pitch is given
   bool find_spikes = true;
 };
 
 struct Diagnosis {
-  bool solved = false;                ///< false: numbers that are too large
-  std::vector<DiagnosisTerm> terms;   ///< in the order above
+  bool solved = false;                         ///< false: numbers that are too large
+  std::vector<DiagnosisTerm> terms;            ///< in the order above
   std::array<std::optional<double>, 2> pitch;  ///< of the cyclic terms, given or found, mm
   std::array<bool, 2> pitch_found{};           ///< found in the trace, not given
-  std::optional<double> spike_time;   ///< T, s; nothing: no spikes that stand out of the noise
-  ResidualSummary residuals;          ///< of what no cause explains
-  std::vector<std::vector<double>> residual;  ///< per run, mm; 0 at the reversals themselves
-  double harmonic_only_servo = 0;     ///< s: what the second harmonic alone would say (backlash leaks in)
+  std::optional<double> spike_time;            ///< T, s; nothing: no spikes that stand out of the noise
+  ResidualSummary residuals;                   ///< of what no cause explains
+  std::vector<std::vector<double>> residual;   ///< per run, mm; 0 at the reversals themselves
+  double harmonic_only_servo = 0;  ///< s: what the second harmonic alone would say (backlash leaks in)
 
   [[nodiscard]] const DiagnosisTerm* find(DiagnosisTerm::Kind kind, std::string_view axis = {}) const;
 };

@@ -11,9 +11,9 @@ namespace {
 
 using Kind = DiagnosisTerm::Kind;
 
-constexpr double kSeparable = 1e-6;   // relative singular value below which columns are one
+constexpr double kSeparable = 1e-6;  // relative singular value below which columns are one
 constexpr double kDetermined = 1 - 1e-6;
-constexpr double kAtRest = 1e-9;      // of sin and cos: the axis is at its reversal
+constexpr double kAtRest = 1e-9;  // of sin and cos: the axis is at its reversal
 constexpr double kPi = std::numbers::pi;
 
 int sign_of(double x) { return x > kAtRest ? 1 : x < -kAtRest ? -1 : 0; }
@@ -21,9 +21,10 @@ int sign_of(double x) { return x > kAtRest ? 1 : x < -kAtRest ? -1 : 0; }
 }  // namespace
 
 DiagnosisModel::DiagnosisModel(const BallbarTest& test) : test_(&test) {
-  columns_ = {{Kind::centre, 0},   {Kind::centre, 1},       {Kind::radius},          {Kind::scale_mismatch},
-              {Kind::squareness},  {Kind::servo_mismatch},  {Kind::backlash, 0},     {Kind::backlash, 1},
-              {Kind::lateral_play, 0}, {Kind::lateral_play, 1}, {Kind::straightness, 0}, {Kind::straightness, 1}};
+  columns_ = {{Kind::centre, 0},       {Kind::centre, 1},       {Kind::radius},
+              {Kind::scale_mismatch},  {Kind::squareness},      {Kind::servo_mismatch},
+              {Kind::backlash, 0},     {Kind::backlash, 1},     {Kind::lateral_play, 0},
+              {Kind::lateral_play, 1}, {Kind::straightness, 0}, {Kind::straightness, 1}};
 }
 
 void DiagnosisModel::set_cyclic(int axis, double pitch) {
@@ -54,16 +55,26 @@ double DiagnosisModel::value_of(const Column& column, const Sample& sample) cons
   const auto axis = static_cast<std::size_t>(std::max(column.axis, 0));
   const double along = sample.u[axis], across = sample.u[1 - axis];
   switch (column.kind) {
-    case Kind::centre: return along;
-    case Kind::radius: return 1;
-    case Kind::scale_mismatch: return R / 2 * (c * c - s * s);
-    case Kind::squareness: return -R * s * c;
-    case Kind::servo_mismatch: return sample.direction * v * s * c;
-    case Kind::backlash: return -0.5 * sample.sense[axis] * along;
-    case Kind::lateral_play: return 0.5 * sample.sense[axis] * across;
-    case Kind::straightness: return R * R * along * along * across;
-    case Kind::cyclic_cosine: return std::cos(2 * kPi * R * along / column.pitch) * along;
-    case Kind::cyclic_sine: return std::sin(2 * kPi * R * along / column.pitch) * along;
+    case Kind::centre:
+      return along;
+    case Kind::radius:
+      return 1;
+    case Kind::scale_mismatch:
+      return R / 2 * (c * c - s * s);
+    case Kind::squareness:
+      return -R * s * c;
+    case Kind::servo_mismatch:
+      return sample.direction * v * s * c;
+    case Kind::backlash:
+      return -0.5 * sample.sense[axis] * along;
+    case Kind::lateral_play:
+      return 0.5 * sample.sense[axis] * across;
+    case Kind::straightness:
+      return R * R * along * along * across;
+    case Kind::cyclic_cosine:
+      return std::cos(2 * kPi * R * along / column.pitch) * along;
+    case Kind::cyclic_sine:
+      return std::sin(2 * kPi * R * along / column.pitch) * along;
     case Kind::spike: {
       const double reversal = column.axis * kPi / 2 + (column.end > 0 ? 0 : kPi);
       double since = std::fmod(sample.direction * (sample.angle - reversal), 2 * kPi);
@@ -95,7 +106,8 @@ DiagnosisFit DiagnosisModel::fit() const {
     std::vector<double>& residual = out.residual.emplace_back();
     for (std::size_t i = 0; i < run.angle.size(); ++i) {
       const bool sure = fill(run, i);
-      const double fitted = Eigen::Map<const Eigen::VectorXd>(row.data(), out.solution.x.size()).dot(out.solution.x);
+      const double fitted =
+          Eigen::Map<const Eigen::VectorXd>(row.data(), out.solution.x.size()).dot(out.solution.x);
       residual.push_back(sure ? run.deviation[i] - fitted : 0.0);
     }
     records.emplace_back(residual);

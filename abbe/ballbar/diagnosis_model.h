@@ -35,14 +35,14 @@ class DiagnosisModel {
  private:
   struct Column {
     DiagnosisTerm::Kind kind;
-    int axis = -1;      ///< of the plane; -1 none
-    int end = 0;        ///< of spikes: +1, -1
-    double pitch = 0;   ///< of cyclic errors
+    int axis = -1;     ///< of the plane; -1 none
+    int end = 0;       ///< of spikes: +1, -1
+    double pitch = 0;  ///< of cyclic errors
   };
   /// One sample as the columns see it.
   struct Sample {
-    std::array<double, 2> u{};     ///< cos, sin of the angle
-    std::array<int, 2> sense{};    ///< sgn of the velocity of each axis
+    std::array<double, 2> u{};   ///< cos, sin of the angle
+    std::array<int, 2> sense{};  ///< sgn of the velocity of each axis
     double angle = 0;
     int direction = +1;
   };

@@ -15,11 +15,11 @@ namespace {
 
 using Kind = DiagnosisTerm::Kind;
 
-constexpr double kExact = 1e-9;       // relative: rounding through the fit
-constexpr double kThreeDigits = 6e-4; // um: numbers known to three decimals
+constexpr double kExact = 1e-9;        // relative: rounding through the fit
+constexpr double kThreeDigits = 6e-4;  // um: numbers known to three decimals
 
-/// A test of both directions whose deviation is f(t, s) every 0.1 deg. It begins half a step behind zero, so that no
-/// sample is at a reversal.
+/// A test of both directions whose deviation is f(t, s) every 0.1 deg. It begins half a step behind zero, so
+/// that no sample is at a reversal.
 BallbarTest test_of(const std::function<double(double, int)>& f, double noise = 0, double first = 0.5) {
   constexpr int count = 3600;
   BallbarTest test;
@@ -40,7 +40,8 @@ BallbarTest test_of(const std::function<double(double, int)>& f, double noise = 
   return test;
 }
 
-// um: steps of 10 um at the reversals; which side the sample at the step belongs to moves means by a 3600th of them.
+// um: steps of 10 um at the reversals; which side the sample at the step belongs to moves means by a 3600th
+// of them.
 constexpr double kOneSample = 5e-3;
 
 double sgn(double x) { return x > 0 ? 1 : x < 0 ? -1 : 0; }
@@ -51,8 +52,8 @@ double worked(double t, int s) {
   const double R = 150, v = 1000.0 / 60, c = std::cos(t), w = std::sin(t);
   const double x = R * c;
   return 3 * um * c - 2 * um * w + R * (30e-6 * c * c - 10e-6 * w * w) - 20e-6 * R / 2 * std::sin(2 * t) +
-         s * v / 2 * (1.0e-3 - 1.4e-3) * std::sin(2 * t) - 3 * um * sgn(-s * w) * c - 2 * um * sgn(s * c) * w +
-         2e-7 * x * x * w;
+         s * v / 2 * (1.0e-3 - 1.4e-3) * std::sin(2 * t) - 3 * um * sgn(-s * w) * c -
+         2 * um * sgn(s * c) * w + 2e-7 * x * x * w;
 }
 
 void expect_term(const Diagnosis& d, Kind kind, const char* axis, double wanted, double tolerance) {
@@ -95,7 +96,8 @@ TEST(Diagnosis, BacklashDoesNotLeakIntoServoMismatch) {
 }
 
 TEST(Diagnosis, TermHasItsSign) {
-  const auto alone = [&](Kind kind, const char* axis, double value, const std::function<double(double, int)>& f) {
+  const auto alone = [&](Kind kind, const char* axis, double value,
+                         const std::function<double(double, int)>& f) {
     const Diagnosis d = diagnose(test_of(f));
     expect_term(d, kind, axis, value, 1e-6 * std::abs(value));
     for (const DiagnosisTerm& term : d.terms) {
@@ -104,16 +106,18 @@ TEST(Diagnosis, TermHasItsSign) {
       }
     }
   };
-  alone(Kind::lateral_play, "X", 2 * um, [](double t, int s) { return um * sgn(-s * std::sin(t)) * std::sin(t); });
-  alone(Kind::lateral_play, "Y", 2 * um, [](double t, int s) { return um * sgn(s * std::cos(t)) * std::cos(t); });
-  alone(Kind::straightness, "Y", 1e-7, [](double t, int) {
-    return 1e-7 * std::pow(150 * std::sin(t), 2) * std::cos(t);
-  });
+  alone(Kind::lateral_play, "X", 2 * um,
+        [](double t, int s) { return um * sgn(-s * std::sin(t)) * std::sin(t); });
+  alone(Kind::lateral_play, "Y", 2 * um,
+        [](double t, int s) { return um * sgn(s * std::cos(t)) * std::cos(t); });
+  alone(Kind::straightness, "Y", 1e-7,
+        [](double t, int) { return 1e-7 * std::pow(150 * std::sin(t), 2) * std::cos(t); });
 }
 
 TEST(Diagnosis, CyclicErrorAndItsPitchAreFound) {
   const auto f = [](double t, int s) {
-    return worked(t, s) + 0.8 * um * std::sin(2 * std::numbers::pi * 150 * std::cos(t) / 5 + 0.7) * std::cos(t);
+    return worked(t, s) +
+           0.8 * um * std::sin(2 * std::numbers::pi * 150 * std::cos(t) / 5 + 0.7) * std::cos(t);
   };
   const Diagnosis d = diagnose(test_of(f, 0.1 * um));
   ASSERT_TRUE(d.pitch[0]);
@@ -124,9 +128,11 @@ TEST(Diagnosis, CyclicErrorAndItsPitchAreFound) {
   EXPECT_NEAR(std::hypot(s, c) / um, 0.8, 0.02);
   EXPECT_TRUE(d.residuals.white);
   EXPECT_FALSE(diagnose(test_of(f, 0.1 * um), {{}, false, true}).residuals.white);
-  EXPECT_NEAR(std::atan2(diagnose(test_of(f, 0), {{5.0, std::nullopt}, true, true}).find(Kind::cyclic_cosine, "X")->value,
-                         diagnose(test_of(f, 0), {{5.0, std::nullopt}, true, true}).find(Kind::cyclic_sine, "X")->value),
-              0.7, 1e-6);
+  EXPECT_NEAR(
+      std::atan2(
+          diagnose(test_of(f, 0), {{5.0, std::nullopt}, true, true}).find(Kind::cyclic_cosine, "X")->value,
+          diagnose(test_of(f, 0), {{5.0, std::nullopt}, true, true}).find(Kind::cyclic_sine, "X")->value),
+      0.7, 1e-6);
 }
 
 TEST(Diagnosis, ReversalSpikesHaveHeightAndDuration) {

@@ -13,11 +13,11 @@ namespace abbe {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr double kLargestStep = 45 * deg;      // between neighbouring samples
+constexpr double kLargestStep = 45 * deg;  // between neighbouring samples
 constexpr double kShortestArc = 30 * deg;
-constexpr double kMostTravel = 50 * kTurn;     // a run is a few turns at most
-constexpr double kLargestDeviation = 2 * mm;   // beyond the travel of any ball bar
-constexpr double kOffCircle = 0.05;            // of the radius: positions that belong to another circle
+constexpr double kMostTravel = 50 * kTurn;    // a run is a few turns at most
+constexpr double kLargestDeviation = 2 * mm;  // beyond the travel of any ball bar
+constexpr double kOffCircle = 0.05;           // of the radius: positions that belong to another circle
 
 class Checks {
  public:
@@ -103,8 +103,8 @@ class Checks {
     for (std::size_t i = 0; i < positions.size(); ++i) {
       const Vec3 from_centre = positions[i] - test_.centre;
       off = std::max(off, (from_centre - test_.radius * radial_direction(test_.plane, run_.angle[i])).norm());
-      off_swapped =
-          std::max(off_swapped, (from_centre - test_.radius * radial_direction(swapped, run_.angle[i])).norm());
+      off_swapped = std::max(off_swapped,
+                             (from_centre - test_.radius * radial_direction(swapped, run_.angle[i])).norm());
     }
     if (off <= kOffCircle * test_.radius) return;
     const bool exchanged = off_swapped <= kOffCircle * test_.radius;

@@ -5,7 +5,9 @@
 namespace abbe {
 
 std::optional<TestPlane> read_plane(std::string_view text) {
-  const auto axis = [](char c) { return c >= 'x' && c <= 'z' ? c - 'x' : c >= 'X' && c <= 'Z' ? c - 'X' : -1; };
+  const auto axis = [](char c) {
+    return c >= 'x' && c <= 'z' ? c - 'x' : c >= 'X' && c <= 'Z' ? c - 'X' : -1;
+  };
   if (text.size() != 2) return std::nullopt;
   const TestPlane plane{axis(text[0]), axis(text[1])};
   if (plane.first < 0 || plane.second < 0 || plane.first == plane.second) return std::nullopt;

@@ -36,12 +36,12 @@ struct BallbarRun {
 
 /// A circular test with a ball bar: one plane, radius and feed, any number of runs in one set-up.
 struct BallbarTest {
-  std::string file;              ///< name for messages
+  std::string file;  ///< name for messages
   TestPlane plane;
-  double radius = 0;             ///< nominal length of the bar, mm
-  double feed = 0;               ///< along the path, mm/s
-  Vec3 centre = Vec3::Zero();    ///< axis positions X Y Z where the tool ball meets the workpiece ball, mm
-  std::optional<double> noise;   ///< standard deviation of one deviation, mm
+  double radius = 0;            ///< nominal length of the bar, mm
+  double feed = 0;              ///< along the path, mm/s
+  Vec3 centre = Vec3::Zero();   ///< axis positions X Y Z where the tool ball meets the workpiece ball, mm
+  std::optional<double> noise;  ///< standard deviation of one deviation, mm
   std::string machine, instrument, date;
   std::vector<BallbarRun> runs;
 

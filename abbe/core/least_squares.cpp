@@ -114,7 +114,8 @@ LeastSquaresSolution solve(const TriangularFactor& factor, const LeastSquaresOpt
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(r * d.asDiagonal(), Eigen::ComputeFullU | Eigen::ComputeFullV);
   out.singular_values = svd.singularValues();
   const double least = options.tolerance * out.singular_values[0];
-  while (out.rank < m && out.singular_values[out.rank] > least && out.singular_values[out.rank] > 0) ++out.rank;
+  while (out.rank < m && out.singular_values[out.rank] > least && out.singular_values[out.rank] > 0)
+    ++out.rank;
   const Eigen::Index k = out.rank;
   const Eigen::VectorXd inverse = out.singular_values.head(k).cwiseInverse();
   const Eigen::MatrixXd half = d.asDiagonal() * svd.matrixV().leftCols(k) * inverse.asDiagonal();

@@ -40,7 +40,7 @@ class TriangularFactor {
   Eigen::Index rows_ = 0;
   Eigen::Index used_ = 0;  ///< rows of work_ that hold numbers; the first m + 1 are the factor so far
   bool finite_ = true;
-  Eigen::MatrixXd work_;   ///< (m + 1 + kBlock) x (m + 1)
+  Eigen::MatrixXd work_;  ///< (m + 1 + kBlock) x (m + 1)
 };
 
 struct LeastSquaresOptions {
@@ -64,8 +64,8 @@ struct LeastSquaresSolution {
     no_rows,     ///< nothing was added
     not_finite,  ///< some row was not, or the numbers overflow
   } status = Status::ok;
-  Eigen::VectorXd x;                ///< m
-  Eigen::Index rank = 0;            ///< of A by the tolerance
+  Eigen::VectorXd x;      ///< m
+  Eigen::Index rank = 0;  ///< of A by the tolerance
   Eigen::Index rows = 0;
   Eigen::VectorXd singular_values;  ///< m, decreasing, of A D
   Eigen::VectorXd column_length;    ///< m; 1 / D

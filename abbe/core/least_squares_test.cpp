@@ -72,7 +72,8 @@ TEST(LeastSquares, EqualsPseudoInverse) {
   EXPECT_NEAR(x.sum_of_squares, (a * x.x - b).squaredNorm(), 1e-10);
 }
 
-// The integer matrix of rank 2 whose pseudo-inverse is known in fractions: x = (119/715, 238/715, 67/715, 186/715).
+// The integer matrix of rank 2 whose pseudo-inverse is known in fractions: x = (119/715, 238/715, 67/715,
+// 186/715).
 TEST(LeastSquares, FullRankFactorisationOfAnIntegerMatrix) {
   Eigen::MatrixXd a(6, 4);
   a << 1, 2, 3, 4, 2, 4, 1, 3, 3, 6, 4, 7, 1, 2, -2, -1, 0, 0, 5, 5, 4, 8, 2, 6;
@@ -80,7 +81,8 @@ TEST(LeastSquares, FullRankFactorisationOfAnIntegerMatrix) {
   b << 1, 2, 3, 4, 5, 6;
   const LeastSquaresSolution x = solve(factor_of(a, b), {1e-9, false});
   EXPECT_EQ(x.rank, 2);
-  const Eigen::Vector4d wanted(0.16643356643356644, 0.3328671328671329, 0.0937062937062937, 0.2601398601398601);
+  const Eigen::Vector4d wanted(0.16643356643356644, 0.3328671328671329, 0.0937062937062937,
+                               0.2601398601398601);
   EXPECT_LT((x.x - wanted).norm(), kRounding);
 }
 
@@ -113,7 +115,8 @@ TEST(LeastSquares, NothingComesOutOfNothing) {
   bad.add(std::vector{std::numeric_limits<double>::quiet_NaN()}, 1.0);
   EXPECT_EQ(solve(bad, {}).status, LeastSquaresSolution::Status::not_finite);
   TriangularFactor block(1);
-  block.add(Eigen::MatrixXd::Constant(3, 1, std::numeric_limits<double>::infinity()), Eigen::VectorXd::Ones(3));
+  block.add(Eigen::MatrixXd::Constant(3, 1, std::numeric_limits<double>::infinity()),
+            Eigen::VectorXd::Ones(3));
   EXPECT_EQ(solve(block, {}).status, LeastSquaresSolution::Status::not_finite);
   EXPECT_EQ(solve(TriangularFactor(0), {}).x.size(), 0);
   TriangularFactor zero(2);

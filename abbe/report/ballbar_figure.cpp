@@ -77,7 +77,8 @@ void draw_traces(SvgPage& page, const Polar& polar, const BallbarTest& test, con
 }
 
 std::string name_of(const DiagnosisTerm& term) {
-  return term.axis.empty() ? std::string(to_string(term.kind)) : fmt::format("{} {}", to_string(term.kind), term.axis);
+  return term.axis.empty() ? std::string(to_string(term.kind))
+                           : fmt::format("{} {}", to_string(term.kind), term.axis);
 }
 
 void draw_terms(SvgPage& page, const Diagnosis& diagnosis) {
@@ -87,7 +88,8 @@ void draw_terms(SvgPage& page, const Diagnosis& diagnosis) {
                    [](const DiagnosisTerm* a, const DiagnosisTerm* b) { return a->effect > b->effect; });
   terms.resize(std::min(terms.size(), kMostTerms));
   const double most = terms.empty() ? 0 : terms.front()->effect;
-  page.text({kTableLeft, kTableTop - 14}, "Causes, by their largest effect on the radius", {.size = 14, .bold = true});
+  page.text({kTableLeft, kTableTop - 14}, "Causes, by their largest effect on the radius",
+            {.size = 14, .bold = true});
   double y = kTableTop + 10;
   for (const DiagnosisTerm* term : terms) {
     const TermText text = text_of(*term);
@@ -109,8 +111,9 @@ std::string figures_line(const TestFigures& figures) {
     text += fmt::format("{} G {:.2f} (least squares) {:.2f} (minimum zone); ", f.direction > 0 ? "CCW" : "CW",
                         f.least_squares.width() / um, f.minimum_zone.width() / um);
   if (figures.both)
-    text += fmt::format("G(b) {:.2f}, {:.2f}; D {:+.2f} {}", figures.least_squares_both.width() / um,
-                        figures.minimum_zone_both.width() / um, figures.mean_radial_deviation / um, kMicrometre);
+    text +=
+        fmt::format("G(b) {:.2f}, {:.2f}; D {:+.2f} {}", figures.least_squares_both.width() / um,
+                    figures.minimum_zone_both.width() / um, figures.mean_radial_deviation / um, kMicrometre);
   return text;
 }
 
@@ -124,15 +127,21 @@ TermText text_of(const DiagnosisTerm& term) {
     return text;
   };
   switch (term.kind) {
-    case Kind::scale_mismatch: return scaled(1e-6, "um/m", 2);
-    case Kind::squareness: return scaled(urad, "urad", 2);
-    case Kind::servo_mismatch: return scaled(1e-3, "ms", 3);
-    case Kind::straightness: return scaled(1e-9, "1e-9/mm", 2);
-    default: return scaled(um, "um", 2);
+    case Kind::scale_mismatch:
+      return scaled(1e-6, "um/m", 2);
+    case Kind::squareness:
+      return scaled(urad, "urad", 2);
+    case Kind::servo_mismatch:
+      return scaled(1e-3, "ms", 3);
+    case Kind::straightness:
+      return scaled(1e-9, "1e-9/mm", 2);
+    default:
+      return scaled(um, "um", 2);
   }
 }
 
-std::string figure_of_ballbar(const BallbarTest& test, const TestFigures& figures, const Diagnosis& diagnosis) {
+std::string figure_of_ballbar(const BallbarTest& test, const TestFigures& figures,
+                              const Diagnosis& diagnosis) {
   SvgPage page(kWidth, kHeight);
   const std::string title = fmt::format("Circular test {}, R {:g} mm, {:g} mm/min", to_string(test.plane),
                                         test.radius, test.feed * 60);
@@ -146,10 +155,12 @@ std::string figure_of_ballbar(const BallbarTest& test, const TestFigures& figure
   const Polar polar{kReach / ring};
   draw_rings(page, polar, ring, test.plane);
   draw_traces(page, polar, test, diagnosis);
-  page.text({kMargin, kHeight - 22},
-            fmt::format("counter-clockwise solid, clockwise dashed, fit grey; radial deviation magnified {:.0f} times",
-                        ring > 0 ? kReach / ring * test.radius / kNominal : 0.0),
-            {.size = 11, .colour = kGrey});
+  page.text(
+      {kMargin, kHeight - 22},
+      fmt::format(
+          "counter-clockwise solid, clockwise dashed, fit grey; radial deviation magnified {:.0f} times",
+          ring > 0 ? kReach / ring * test.radius / kNominal : 0.0),
+      {.size = 11, .colour = kGrey});
   draw_terms(page, diagnosis);
   return page.finish(title, source);
 }

@@ -39,20 +39,22 @@ struct Answer {
 std::string direction_name(int direction) { return direction > 0 ? "CCW" : "CW"; }
 
 std::string conditions_text(const BallbarTest& test) {
-  return fmt::format("{}: plane {} (angles from +{} to +{}), radius {:g} mm, {:g} mm/min, {} samples in {} runs\n",
-                     test.file, to_string(test.plane), axis_letter(test.plane.first),
-                     axis_letter(test.plane.second), test.radius, test.feed * 60, test.samples(), test.runs.size());
+  return fmt::format(
+      "{}: plane {} (angles from +{} to +{}), radius {:g} mm, {:g} mm/min, {} samples in {} runs\n",
+      test.file, to_string(test.plane), axis_letter(test.plane.first), axis_letter(test.plane.second),
+      test.radius, test.feed * 60, test.samples(), test.runs.size());
 }
 
 std::string figures_text(const TestFigures& figures) {
   std::string text =
       "\nin the manner of ISO 230-4, um          least squares centre       minimum zone centre\n";
   const auto row = [&](const std::string& name, const FittedCircle& a, const FittedCircle& b) {
-    text += fmt::format("  {:<22}{:>14.3f}  ({:+.2f}, {:+.2f}){:>12.3f}  ({:+.2f}, {:+.2f})\n", name, a.width() / um,
-                        a.x / um, a.y / um, b.width() / um, b.x / um, b.y / um);
+    text += fmt::format("  {:<22}{:>14.3f}  ({:+.2f}, {:+.2f}){:>12.3f}  ({:+.2f}, {:+.2f})\n", name,
+                        a.width() / um, a.x / um, a.y / um, b.width() / um, b.x / um, b.y / um);
   };
   for (const CircularFigures& f : figures.directions)
-    row(fmt::format("G {} ({:.0f} deg)", direction_name(f.direction), f.travel / deg), f.least_squares, f.minimum_zone);
+    row(fmt::format("G {} ({:.0f} deg)", direction_name(f.direction), f.travel / deg), f.least_squares,
+        f.minimum_zone);
   if (figures.both) row("G(b)", figures.least_squares_both, figures.minimum_zone_both);
   for (const CircularFigures& f : figures.directions)
     text += fmt::format("  F {:<20}{:>+14.3f} {:+.3f}   (centre as set up: {:+.3f} {:+.3f})\n",
@@ -68,18 +70,20 @@ std::string cause_text(const DiagnosisTerm& term) {
 
 std::string diagnosis_text(const Diagnosis& d) {
   if (!d.solved) return "\nthe numbers are too large for a diagnosis\n";
-  std::string text = "\ncause                          value  standard uncertainty        largest radial effect, um\n";
+  std::string text =
+      "\ncause                          value  standard uncertainty        largest radial effect, um\n";
   for (const DiagnosisTerm& term : d.terms) {
     const TermText shown = text_of(term);
-    text += term.separable
-                ? fmt::format("  {:<22}{:>12} {:>10} {:<10}{:>14.3f}\n", cause_text(term), shown.value,
-                              shown.uncertainty, shown.unit, term.effect / um)
-                : fmt::format("  {:<22}{:>12}\n", cause_text(term), "cannot be told from others by these runs");
+    text += term.separable ? fmt::format("  {:<22}{:>12} {:>10} {:<10}{:>14.3f}\n", cause_text(term),
+                                         shown.value, shown.uncertainty, shown.unit, term.effect / um)
+                           : fmt::format("  {:<22}{:>12}\n", cause_text(term),
+                                         "cannot be told from others by these runs");
   }
   for (std::size_t i = 0; i < 2; ++i)
     if (d.pitch[i])
-      text += fmt::format("  pitch of the cyclic error of the {} axis {:.4f} mm ({})\n", i == 0 ? "first" : "second",
-                          *d.pitch[i], d.pitch_found[i] ? "found in the trace" : "given");
+      text += fmt::format("  pitch of the cyclic error of the {} axis {:.4f} mm ({})\n",
+                          i == 0 ? "first" : "second", *d.pitch[i],
+                          d.pitch_found[i] ? "found in the trace" : "given");
   if (d.spike_time) text += fmt::format("  reversal spikes decay in {:.1f} ms\n", *d.spike_time * 1e3);
   text += fmt::format("  unexplained: rms {:.3f} um, largest {:.3f} um; neighbours {:+.2f}, tau {:.1f}: {}\n",
                       d.residuals.rms / um, d.residuals.largest / um, d.residuals.lag_one, d.residuals.tau,
@@ -90,7 +94,9 @@ std::string diagnosis_text(const Diagnosis& d) {
 void write_circle(JsonWriter& json, std::string_view name, const FittedCircle& circle) {
   json.key(name).begin_object(Layout::one_line);
   json.member("found", circle.found).member("width_um", circle.width() / um);
-  json.member("centre_um", std::array{circle.x / um, circle.y / um}).member("mean_um", circle.mean / um).end();
+  json.member("centre_um", std::array{circle.x / um, circle.y / um})
+      .member("mean_um", circle.mean / um)
+      .end();
 }
 
 void write_figures(JsonWriter& json, const TestFigures& figures) {
@@ -133,7 +139,10 @@ void write_diagnosis(JsonWriter& json, const Diagnosis& d) {
   json.member("harmonic_only_servo_s", d.harmonic_only_servo);
   json.key("residuals").begin_object(Layout::one_line);
   json.member("rms_um", d.residuals.rms / um).member("largest_um", d.residuals.largest / um);
-  json.member("lag_one", d.residuals.lag_one).member("tau", d.residuals.tau).member("white", d.residuals.white).end();
+  json.member("lag_one", d.residuals.lag_one)
+      .member("tau", d.residuals.tau)
+      .member("white", d.residuals.white)
+      .end();
   json.end();
 }
 
@@ -161,8 +170,8 @@ void write_features(JsonWriter& json, const std::string& file, const B5rReport& 
 }
 
 std::string features_text(const std::string& file, const B5rReport& report) {
-  std::string text = fmt::format("{}: {} on {}, {}; figures as the maker's program states them\n", file, report.test,
-                                 report.machine, report.date);
+  std::string text = fmt::format("{}: {} on {}, {}; figures as the maker's program states them\n", file,
+                                 report.test, report.machine, report.date);
   for (const B5rFeature& feature : report.features)
     text += fmt::format("  {:<32}{:>14.4f} {}\n", feature.name, feature.value,
                         feature.unit.empty() ? feature.type : feature.unit);
@@ -170,7 +179,8 @@ std::string features_text(const std::string& file, const B5rReport& report) {
 }
 
 /// --pitch X=5,Y=4 for the axes of the test's plane.
-std::optional<DiagnosisOptions> diagnosis_options(const BallbarVerb& verb, TestPlane plane, Session& session) {
+std::optional<DiagnosisOptions> diagnosis_options(const BallbarVerb& verb, TestPlane plane,
+                                                  Session& session) {
   DiagnosisOptions options;
   options.find_pitch = options.find_spikes = !verb.no_search;
   Diagnostics findings;
@@ -179,7 +189,8 @@ std::optional<DiagnosisOptions> diagnosis_options(const BallbarVerb& verb, TestP
     if (!pitch) continue;
     const int axis = given.name.size() == 1 ? given.name[0] - 'X' : -1;
     if (axis < 0 || axis > 2 || *pitch <= 0)
-      findings.push_back(option_error("--pitch", fmt::format("'{}={}'", given.name, given.text), "--pitch X=5,Y=5"));
+      findings.push_back(
+          option_error("--pitch", fmt::format("'{}={}'", given.name, given.text), "--pitch X=5,Y=5"));
     else if (axis == plane.first || axis == plane.second)
       options.pitch[axis == plane.first ? 0 : 1] = *pitch;
   }
@@ -191,7 +202,8 @@ std::optional<DiagnosisOptions> diagnosis_options(const BallbarVerb& verb, TestP
 bool write_files(const BallbarVerb& verb, const std::vector<Answer>& answers, Session& session) {
   if (verb.svg.empty() && verb.out.empty()) return true;
   if (answers.size() != 1) {
-    session.report(option_error(verb.svg.empty() ? "--out" : "--svg", "one file shows one test", "name one test"));
+    session.report(
+        option_error(verb.svg.empty() ? "--out" : "--svg", "one file shows one test", "name one test"));
     return false;
   }
   const Answer& answer = answers.front();
@@ -229,7 +241,8 @@ void run_ballbar(const BallbarVerb& verb, Session& session) {
     Diagnosis diagnosis = diagnose(*test.value, *options);
     answers.push_back({std::move(*test.value), std::move(figures), std::move(diagnosis)});
   }
-  if (answers.size() + reports.size() != verb.source.files.size() || !write_files(verb, answers, session)) return;
+  if (answers.size() + reports.size() != verb.source.files.size() || !write_files(verb, answers, session))
+    return;
   if (verb.json) {
     JsonWriter json;
     json.begin_object();
@@ -241,7 +254,8 @@ void run_ballbar(const BallbarVerb& verb, Session& session) {
     return;
   }
   for (const Answer& answer : answers)
-    session.out.write(conditions_text(answer.test) + figures_text(answer.figures) + diagnosis_text(answer.diagnosis));
+    session.out.write(conditions_text(answer.test) + figures_text(answer.figures) +
+                      diagnosis_text(answer.diagnosis));
   for (const auto& [file, report] : reports) session.out.write(features_text(file, report));
 }
 

@@ -7,7 +7,8 @@
 namespace abbe::app {
 
 void add_ballbar_options(CLI::App& verb, BallbarArguments& arguments) {
-  verb.add_option("--plane", arguments.plane, "plane, where the file does not say it: angles from the first axis")
+  verb.add_option("--plane", arguments.plane,
+                  "plane, where the file does not say it: angles from the first axis")
       ->type_name("XY");
   verb.add_option("--radius", arguments.radius, "nominal radius, where the file does not say it")
       ->check(CLI::PositiveNumber & finite_number())

@@ -24,8 +24,8 @@ void add_ballbar_options(CLI::App& verb, BallbarArguments& arguments);
                                                               Session& session);
 
 /// Reads one file; nullopt after reporting what is wrong with it.
-[[nodiscard]] std::optional<BallbarTest> load_ballbar(const std::string& file, const BallbarDefaults& defaults,
-                                                      Session& session);
+[[nodiscard]] std::optional<BallbarTest> load_ballbar(const std::string& file,
+                                                      const BallbarDefaults& defaults, Session& session);
 
 /// All files; nullopt if one of them cannot be used (the others are reported too).
 [[nodiscard]] std::optional<std::vector<BallbarTest>> load_ballbars(const BallbarArguments& arguments,

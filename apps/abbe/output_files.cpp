@@ -12,8 +12,8 @@ namespace {
 
 bool same(const std::string& a, const std::string& b) { return a == b || same_file(a, b); }
 
-bool may_be_written(const std::vector<OutputFile>& files, std::size_t i, const std::vector<std::string>& inputs,
-                    Session& session) {
+bool may_be_written(const std::vector<OutputFile>& files, std::size_t i,
+                    const std::vector<std::string>& inputs, Session& session) {
   const OutputFile& file = files[i];
   const auto refuse = [&](std::string message) {
     session.report(option_error(file.option, std::move(message), "name another file"));

@@ -19,7 +19,8 @@ using ::testing::HasSubstr;
 
 /// Both directions, R 100 mm, centre (3, -2) um, lost motion of X 4 um.
 std::string trace() {
-  std::string text = "# plane: XY\n# radius_mm: 100\n# feed_mm_per_min: 1200\nrun,direction,angle_deg,deviation_um\n";
+  std::string text =
+      "# plane: XY\n# radius_mm: 100\n# feed_mm_per_min: 1200\nrun,direction,angle_deg,deviation_um\n";
   for (const int s : {+1, -1}) {
     for (int i = 0; i < 180; ++i) {
       const double degrees = s * (2 * i + 1), t = degrees * 3.14159265358979323846 / 180;

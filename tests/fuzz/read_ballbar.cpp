@@ -8,8 +8,8 @@
 #include "abbe/ballbar/ballbar_file.h"
 #include "abbe/ballbar/diagnosis.h"
 
-// A ball-bar trace and a .b5r file: any bytes give a value or diagnostics; a trace that is read can be diagnosed and
-// written.
+// A ball-bar trace and a .b5r file: any bytes give a value or diagnostics; a trace that is read can be
+// diagnosed and written.
 
 namespace {
 
