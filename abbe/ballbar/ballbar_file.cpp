@@ -146,6 +146,8 @@ class Reader {
       test_.noise = positive(key, value, um);
     } else if (key == "centre_mm") {
       take_centre(value);
+    } else if (key == "setup") {
+      test_.setup = value;
     } else if (key == "machine") {
       test_.machine = value;
     } else if (key == "instrument") {
@@ -397,6 +399,7 @@ std::string write_ballbar(const BallbarTest& test) {
   key("centre_mm", fmt::format("{} {} {}", to_shortest(test.centre.x()), to_shortest(test.centre.y()),
                                to_shortest(test.centre.z())));
   if (test.noise) key("noise_um", to_shortest(*test.noise / um));
+  key("setup", test.setup);
   key("machine", test.machine);
   key("instrument", test.instrument);
   key("date", test.date);

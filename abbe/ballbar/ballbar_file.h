@@ -18,7 +18,7 @@ struct BallbarDefaults {
 };
 
 /// Reads a ball-bar test: lines "# key: value" (plane, radius_mm, feed_mm_per_min, centre_mm, noise_um,
-/// machine, instrument, date), then a CSV table. Columns, in any order:
+/// setup, machine, instrument, date), then a CSV table. Columns, in any order:
 ///
 ///   angle_deg                                 required
 ///   deviation_um | deviation_mm | radius_mm   one of them; radius_mm is the measured length

@@ -42,6 +42,7 @@ struct BallbarTest {
   double feed = 0;              ///< along the path, mm/s
   Vec3 centre = Vec3::Zero();   ///< axis positions X Y Z where the tool ball meets the workpiece ball, mm
   std::optional<double> noise;  ///< standard deviation of one deviation, mm
+  std::string setup;            ///< tests between which the balls were not moved; empty: its own
   std::string machine, instrument, date;
   std::vector<BallbarRun> runs;
 

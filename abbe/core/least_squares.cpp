@@ -91,6 +91,7 @@ LeastSquaresSolution solve(const TriangularFactor& factor, const LeastSquaresOpt
   out.cofactor = Eigen::MatrixXd::Zero(m, m);
   out.column_length = Eigen::VectorXd::Ones(m);
   out.null_space = Eigen::MatrixXd::Identity(m, m);
+  out.root = Eigen::MatrixXd::Zero(m, 0);
   const Eigen::MatrixXd rc = factor.factor();
   if (!factor.is_finite() || !rc.allFinite()) {
     out.status = Status::not_finite;
@@ -118,11 +119,11 @@ LeastSquaresSolution solve(const TriangularFactor& factor, const LeastSquaresOpt
     ++out.rank;
   const Eigen::Index k = out.rank;
   const Eigen::VectorXd inverse = out.singular_values.head(k).cwiseInverse();
-  const Eigen::MatrixXd half = d.asDiagonal() * svd.matrixV().leftCols(k) * inverse.asDiagonal();
+  out.root = d.asDiagonal() * svd.matrixV().leftCols(k) * inverse.asDiagonal();
 
   // x = D V_1 S_1^-1 U_1^T c,   cofactor = (D V_1 S_1^-1)(D V_1 S_1^-1)^T
-  out.x = half * (svd.matrixU().leftCols(k).transpose() * c);
-  out.cofactor = half * half.transpose();
+  out.x = out.root * (svd.matrixU().leftCols(k).transpose() * c);
+  out.cofactor = out.root * out.root.transpose();
   out.null_space = d.asDiagonal() * svd.matrixV().rightCols(m - k);
   out.determined = svd.matrixV().leftCols(k).rowwise().squaredNorm();
   out.sum_of_squares = rho * rho + (r * out.x - c).squaredNorm();

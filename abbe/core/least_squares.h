@@ -70,6 +70,7 @@ struct LeastSquaresSolution {
   Eigen::VectorXd singular_values;  ///< m, decreasing, of A D
   Eigen::VectorXd column_length;    ///< m; 1 / D
   Eigen::MatrixXd null_space;       ///< m x (m - rank): A n = 0 for every column n
+  Eigen::MatrixXd root;             ///< m x rank: cofactor = root root^T, and A root has orthonormal columns
   Eigen::MatrixXd cofactor;         ///< m x m
   Eigen::VectorXd determined;       ///< m: 1 the rows determine this unknown, 0 they say nothing about it
   double sum_of_squares = 0;        ///< |A x - b|^2

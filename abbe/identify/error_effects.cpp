@@ -14,8 +14,8 @@ Machine with_unit_error(const Machine& machine, const ErrorName& name) {
   ErrorTerm term;
   term.name = name;
   term.function = ErrorFunction::constant(1);
-  const auto body = std::find_if(out.bodies.begin(), out.bodies.end(),
-                                 [&](const Body& b) { return b.name == name.axis; });
+  const auto body =
+      std::find_if(out.bodies.begin(), out.bodies.end(), [&](const Body& b) { return b.name == name.axis; });
   term.body = static_cast<int>(body - out.bodies.begin());
   out.errors = {term};
   return out;
@@ -59,7 +59,8 @@ ErrorEffects::ErrorEffects(const Machine& machine, const std::vector<ModelTerm>&
 Vec3 ErrorEffects::of(std::size_t i, const AxisState& state) const {
   const Affine& effect = effects_[which_[i]];
   Vec3 out = effect.constant;
-  for (std::size_t axis = 0; axis < effect.gradient.size(); ++axis) out += effect.gradient[axis] * state.q[axis];
+  for (std::size_t axis = 0; axis < effect.gradient.size(); ++axis)
+    out += effect.gradient[axis] * state.q[axis];
   return out;
 }
 

@@ -69,11 +69,16 @@ class Chooser {
 double basis(const ModelTerm& term, const AxisState& state) {
   const auto i = static_cast<std::size_t>(term.axis);
   switch (term.form) {
-    case ModelTerm::Form::constant: return 1;
-    case ModelTerm::Form::power: return std::pow(state.q[i], term.power);
-    case ModelTerm::Form::lost_motion: return -0.5 * state.approach[i];
-    case ModelTerm::Form::velocity: return state.v[i];
-    case ModelTerm::Form::acceleration: return state.a[i];
+    case ModelTerm::Form::constant:
+      return 1;
+    case ModelTerm::Form::power:
+      return std::pow(state.q[i], term.power);
+    case ModelTerm::Form::lost_motion:
+      return -0.5 * state.approach[i];
+    case ModelTerm::Form::velocity:
+      return state.v[i];
+    case ModelTerm::Form::acceleration:
+      return state.a[i];
   }
   return 0;
 }
@@ -81,12 +86,17 @@ double basis(const ModelTerm& term, const AxisState& state) {
 std::string to_string(const ModelTerm& term, const Machine& machine) {
   const std::string name = to_string(term.name), axis = machine.axis(term.axis).name;
   switch (term.form) {
-    case ModelTerm::Form::constant: return name;
+    case ModelTerm::Form::constant:
+      return name;
     case ModelTerm::Form::power:
-      return term.power == 1 ? fmt::format("{} {}", name, axis) : fmt::format("{} {}^{}", name, axis, term.power);
-    case ModelTerm::Form::lost_motion: return fmt::format("{} lost motion", name);
-    case ModelTerm::Form::velocity: return fmt::format("{} v.{}", name, axis);
-    case ModelTerm::Form::acceleration: return fmt::format("{} a.{}", name, axis);
+      return term.power == 1 ? fmt::format("{} {}", name, axis)
+                             : fmt::format("{} {}^{}", name, axis, term.power);
+    case ModelTerm::Form::lost_motion:
+      return fmt::format("{} lost motion", name);
+    case ModelTerm::Form::velocity:
+      return fmt::format("{} v.{}", name, axis);
+    case ModelTerm::Form::acceleration:
+      return fmt::format("{} a.{}", name, axis);
   }
   return name;
 }

@@ -24,7 +24,7 @@ struct AxisState {
 struct ModelTerm {
   enum class Form { constant, power, lost_motion, velocity, acceleration } form = Form::power;
   ErrorName name;
-  int axis = 0;   ///< moving axis whose position, rate or approach is the variable
+  int axis = 0;  ///< moving axis whose position, rate or approach is the variable
   int power = 1;
 
   [[nodiscard]] bool is_dynamic() const { return form == Form::velocity || form == Form::acceleration; }
@@ -51,8 +51,8 @@ struct TermChoice {
 };
 
 /// Terms of the linear axes `moving` (indices of moving axes), in the order: squareness, then per axis
-/// positioning, straightness, rotations, lost motion, dynamics. Squareness of two axes is the location error of
-/// the one farther along the chain from the workpiece; errors that cannot act on this chain are left out.
+/// positioning, straightness, rotations, lost motion, dynamics. Squareness of two axes is the location error
+/// of the one farther along the chain from the workpiece; errors that cannot act on this chain are left out.
 [[nodiscard]] std::vector<ModelTerm> choose_terms(const Machine& machine, const std::vector<int>& moving,
                                                   const TermChoice& choice);
 

@@ -115,8 +115,8 @@ class Step {
   void solve_for(Origin origin, int test) {
     const LeastSquaresSolution fit = solve(*factor_, {kRankTolerance, true});
     result_.finite = result_.finite && fit.ok();
-    // The unscaled columns differ by 1e7, which would cost as many digits of the null space: solve with scaled
-    // columns, then take the least norm of the unscaled unknowns,  x <- x - N N^+ x.
+    // The unscaled columns differ by 1e7, which would cost as many digits of the null space: solve with
+    // scaled columns, then take the least norm of the unscaled unknowns,  x <- x - N N^+ x.
     Eigen::VectorXd x = fit.x;
     if (fit.null_space.cols() > 0 && fit.null_space.rows() > 0)
       x -= fit.null_space * fit.null_space.colPivHouseholderQr().solve(fit.x);
@@ -148,7 +148,8 @@ void in_plane_step(PaperResult& result, const PaperTest& test, int index, int co
   Step step(result, std::string("d") + kLower[component] + "_" + to_string(test.plane));
   step.choose([&](const PaperCoefficient& c) { return acts(c, test.plane, component); });
   const std::vector<double>& deviation = test.deviation[component == test.plane.first ? 0 : 1];
-  for (std::size_t i = 0; i < deviation.size(); ++i) step.add(DesignRow(test, i), component, deviation[i], kAll);
+  for (std::size_t i = 0; i < deviation.size(); ++i)
+    step.add(DesignRow(test, i), component, deviation[i], kAll);
   step.solve_for(Origin::measured, index);
 }
 
@@ -159,7 +160,8 @@ void across_step(PaperResult& result, const std::vector<const PaperTest*>& tests
   for (const PaperTest* test : tests) {
     const int across = 3 - test->plane.first - test->plane.second;
     for (std::size_t i = 0; i < test->angle.size(); ++i)
-      step.add(DesignRow(*test, i), across, 0.0, [&](const PaperCoefficient& c) { return c.dynamic == dynamic; });
+      step.add(DesignRow(*test, i), across, 0.0,
+               [&](const PaperCoefficient& c) { return c.dynamic == dynamic; });
   }
   step.solve_for(Origin::assumed, -1);
 }
@@ -258,7 +260,8 @@ PaperResult identify_paper(const std::vector<PaperTest>& tests) {
   result.coefficients = all_coefficients();
   std::vector<const PaperTest*> used;
   for (const TestPlane plane : {TestPlane{0, 1}, TestPlane{0, 2}, TestPlane{1, 2}}) {
-    const auto at = std::find_if(tests.begin(), tests.end(), [&](const PaperTest& t) { return t.plane == plane; });
+    const auto at =
+        std::find_if(tests.begin(), tests.end(), [&](const PaperTest& t) { return t.plane == plane; });
     if (at == tests.end()) continue;
     const int index = static_cast<int>(at - tests.begin());
     in_plane_step(result, *at, index, plane.second);

@@ -18,10 +18,10 @@ struct PaperSine {
 /// One circular test as the published method sees it: displacements from the start point, where the tool ball
 /// is at radius along the first axis, and the components of the deviation in the plane.
 struct PaperTest {
-  TestPlane plane;                 ///< XY, XZ or YZ
-  double radius = 0;               ///< mm
-  std::vector<double> angle;       ///< beta, rad
-  std::vector<double> time;        ///< s
+  TestPlane plane;                                  ///< XY, XZ or YZ
+  double radius = 0;                                ///< mm
+  std::vector<double> angle;                        ///< beta, rad
+  std::vector<double> time;                         ///< s
   std::array<std::vector<double>, 2> displacement;  ///< of the first and second axis, mm
   std::array<std::vector<double>, 2> deviation;     ///< component along them, mm
   std::array<PaperSine, 2> velocity, acceleration;  ///< of the first and second axis
@@ -80,9 +80,9 @@ struct PaperResult {
   [[nodiscard]] const PaperCoefficient* find(std::string_view name) const;
 };
 
-/// Identification exactly as published: per plane a least-norm least squares for the component along the second
-/// axis, then for the first, with what is known carried on (XY, XZ, YZ), and at last the six rotations about
-/// the axes' own directions by the assumption that the deviation across each plane is zero.
+/// Identification exactly as published: per plane a least-norm least squares for the component along the
+/// second axis, then for the first, with what is known carried on (XY, XZ, YZ), and at last the six rotations
+/// about the axes' own directions by the assumption that the deviation across each plane is zero.
 ///
 /// tests    at most one per plane XY, XZ, YZ, in any order; each with equally long vectors
 /// errors   finite = false; steps of planes that are missing are left out

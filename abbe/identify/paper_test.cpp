@@ -16,8 +16,8 @@ namespace {
 using nlohmann::json;
 using Origin = PaperCoefficient::Origin;
 
-// The unscaled matrix has singular values from 1.5e7 to 3 (radius 100 mm), and what is known is carried on with a lever of
-// 100 mm: 2e-11 is what doubles leave of a coefficient.
+// The unscaled matrix has singular values from 1.5e7 to 3 (radius 100 mm), and what is known is carried on
+// with a lever of 100 mm: 2e-11 is what doubles leave of a coefficient.
 constexpr double kCoefficient = 2e-11;
 constexpr double kShare = 1e-8;
 
@@ -31,7 +31,8 @@ class Golden : public ::testing::Test {
     golden_ = json::parse(file);
   }
 
-  /// The test of a plane in the sequence; the angles of XY end before the full turn, those of XZ, YZ at 220 deg.
+  /// The test of a plane in the sequence; the angles of XY end before the full turn, those of XZ, YZ at 220
+  /// deg.
   [[nodiscard]] PaperTest test_of(const char* name) const {
     const json& g = golden_["sequential_identification"];
     PaperTest test;
@@ -121,7 +122,8 @@ TEST_F(Golden, LeastNormOfOneEquation) {
     const PaperResult result = identify_paper({test});
     EXPECT_EQ(result.steps[0].rank, g["rank"].get<int>()) << name;
     for (std::size_t i = 0; i < 16; ++i)
-      EXPECT_NEAR(result.find(g["columns"][i].get<std::string>())->value, g["B_minnorm"][i].get<double>(), kCoefficient)
+      EXPECT_NEAR(result.find(g["columns"][i].get<std::string>())->value, g["B_minnorm"][i].get<double>(),
+                  kCoefficient)
           << name << ' ' << g["columns"][i];
   }
 }
@@ -151,10 +153,13 @@ TEST(Paper, SteadySinesOfATest) {
     const double angle = run.angle[i], t = steady.time[i];
     EXPECT_NEAR(std::sin(steady.velocity[0].omega * t + steady.velocity[0].phase), -std::sin(angle), 1e-12);
     EXPECT_NEAR(std::sin(steady.velocity[1].omega * t + steady.velocity[1].phase), std::cos(angle), 1e-12);
-    EXPECT_NEAR(std::sin(steady.acceleration[0].omega * t + steady.acceleration[0].phase), -std::cos(angle), 1e-12);
-    EXPECT_NEAR(std::sin(steady.acceleration[1].omega * t + steady.acceleration[1].phase), -std::sin(angle), 1e-12);
+    EXPECT_NEAR(std::sin(steady.acceleration[0].omega * t + steady.acceleration[0].phase), -std::cos(angle),
+                1e-12);
+    EXPECT_NEAR(std::sin(steady.acceleration[1].omega * t + steady.acceleration[1].phase), -std::sin(angle),
+                1e-12);
     EXPECT_NEAR(std::sin(fitted.velocity[0].omega * t + fitted.velocity[0].phase), -std::sin(angle), 1e-3);
-    EXPECT_NEAR(std::sin(fitted.acceleration[1].omega * t + fitted.acceleration[1].phase), -std::sin(angle), 0.05);
+    EXPECT_NEAR(std::sin(fitted.acceleration[1].omega * t + fitted.acceleration[1].phase), -std::sin(angle),
+                0.05);
   }
   EXPECT_NEAR(steady.velocity[0].omega, w, 1e-15);
 }
