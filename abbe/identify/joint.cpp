@@ -70,20 +70,36 @@ Factored factor_of(const JointDesign& design, const IdentifyOptions& options, bo
   return out;
 }
 
-void take_solution(Identification& out, const JointDesign& design, const LeastSquaresSolution& fit) {
+/// `full` knows what can be seen, `used` is the solution with its assumptions.
+void take_solution(Identification& out, const JointDesign& design, const LeastSquaresSolution& full,
+                   const ZeroedSolution& used) {
+  using Origin = IdentifiedTerm::Origin;
   out.names = design.names();
-  out.values = fit.x;
-  out.covariance = fit.cofactor;
-  out.null_space = fit.null_space;
-  out.column_length = fit.column_length;
-  out.singular_values = fit.singular_values;
-  out.rank = fit.rank;
-  out.rows = fit.rows;
-  out.unseen = unseen_combinations(fit, out.names, design.terms());
+  out.values = used.solution.x;
+  out.covariance = used.solution.cofactor;
+  out.null_space = full.null_space;
+  out.column_length = full.column_length;
+  out.singular_values = full.singular_values;
+  out.rank = full.rank;
+  out.rows = full.rows;
+  out.unseen = unseen_combinations(full, out.names, design.terms());
+  for (const std::size_t zero : used.zeros) out.assumptions.push_back(out.names[zero]);
   for (std::size_t k = 0; k < design.terms().size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    out.terms.push_back({design.terms()[k], fit.x[i], 0, fit.determined[i] >= kIdentifiable});
+    IdentifiedTerm term{design.terms()[k], used.solution.x[i], 0, full.determined[i] >= kIdentifiable, Origin::measured};
+    if (std::find(used.zeros.begin(), used.zeros.end(), k) != used.zeros.end()) {
+      term.origin = Origin::assumed;
+    } else if (used.solution.determined[i] < kIdentifiable) {
+      term.origin = Origin::artefact;
+    }
+    out.terms.push_back(term);
   }
+}
+
+ZeroedSolution used_solution(const JointDesign& design, const TriangularFactor& factor, const LeastSquaresSolution& full,
+                             const IdentifyOptions& options) {
+  if (!options.assume_zero) return {full, {}};
+  return solve_with_zeros(factor, {options.rank_tolerance, true}, design.names(), design.terms(), design.first_bar());
 }
 
 void take_uncertainties(Identification& out) {
@@ -165,7 +181,7 @@ Identification identify_jointly(const Machine& machine, const std::vector<Ballba
                                 const IdentifyOptions& options) {
   const std::vector<int> moving = moving_axes(machine, tests);
   if (moving.empty()) return failed(Status::no_axes);
-  const JointDesign design(machine, tests, choose_terms(machine, moving, options.terms));
+  const JointDesign design(machine, tests, choose_terms(machine, moving, travel_of_tests(machine, tests), options.terms));
   const Factored factored = factor_of(design, options, true);
   const LeastSquaresSolution fit = solve(factored.factor, {options.rank_tolerance, true});
   if (fit.status == LeastSquaresSolution::Status::not_finite) return failed(Status::not_finite);
@@ -174,10 +190,11 @@ Identification identify_jointly(const Machine& machine, const std::vector<Ballba
   Identification out;
   out.left_out = factored.left_out;
   out.noise_known = noise_is_known(tests, options);
-  take_solution(out, design, fit);
+  const ZeroedSolution used = used_solution(design, factored.factor, fit, options);
+  take_solution(out, design, fit, used);
   RunClocks clocks(tests);
   if (options.time_offset > 0)
-    fit_time_offsets(out, clocks, design, fit, options,
+    fit_time_offsets(out, clocks, design, used.solution, options,
                      [&](std::size_t t) { return noise_of(tests[t], options); });
   judge_residuals(out, design, options, clocks);
   scale_covariance(out, options, tests);
@@ -190,14 +207,14 @@ Identification identifiability(const Machine& machine, const std::vector<Ballbar
                                const IdentifyOptions& options) {
   const std::vector<int> moving = moving_axes(machine, plan);
   if (moving.empty()) return failed(Status::no_axes);
-  const JointDesign design(machine, plan, choose_terms(machine, moving, options.terms));
+  const JointDesign design(machine, plan, choose_terms(machine, moving, travel_of_tests(machine, plan), options.terms));
   const Factored factored = factor_of(design, options, false);
   const LeastSquaresSolution fit = solve(factored.factor, {options.rank_tolerance, true});
   if (!fit.ok()) return failed(Status::not_finite);
   Identification out;
   out.left_out = factored.left_out;
   out.noise_known = true;
-  take_solution(out, design, fit);
+  take_solution(out, design, fit, used_solution(design, factored.factor, fit, options));
   out.noise = plan.empty() ? 0 : noise_of(plan.front(), options);
   take_uncertainties(out);
   return out;

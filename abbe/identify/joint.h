@@ -18,6 +18,9 @@ struct IdentifyOptions {
   /// Singular values (columns of length 1) below this part of the largest count as zero: along these
   /// combinations the unknowns stay at their least norm. This is the only regularisation.
   double rank_tolerance = 1e-3;
+  /// True: of every unseen combination one member is taken for zero (rotations first, then lags, bar lengths,
+  /// higher powers, ..), which leaves the simplest explanation. False: least norm, shares are artefacts.
+  bool assume_zero = true;
   std::optional<double> noise;    ///< standard deviation of a deviation, mm; instead of what the files say
   double time_offset = 0;         ///< standard uncertainty of the clock of a run, s; 0: clocks agree
   double reversal_window = 0.02;  ///< samples closer to a reversal are left out, s
@@ -28,7 +31,12 @@ struct IdentifiedTerm {
   ModelTerm term;
   double value = 0;
   double uncertainty = 0;    ///< standard uncertainty; of an artefact that of its determined part
-  bool identifiable = true;  ///< false: an artefact, only sums with others are known (see unseen)
+  bool identifiable = true;  ///< false: only sums with others are known (see unseen), whatever is assumed
+  enum class Origin {
+    measured,  ///< by these tests; where not identifiable, given what is assumed
+    assumed,   ///< taken for zero
+    artefact,  ///< a share of a sum, chosen by the least norm
+  } origin = Origin::measured;
 };
 
 /// One run as the model explains it; rms values in mm.
@@ -60,6 +68,7 @@ struct Identification {
   Eigen::VectorXd singular_values;
   Eigen::Index rank = 0, rows = 0, left_out = 0;  ///< left out: too close to a reversal
   std::vector<UnseenCombination> unseen;
+  std::vector<std::string> assumptions;  ///< names of the unknowns taken for zero
   std::vector<RunBalance> runs;
 
   bool noise_known = false;

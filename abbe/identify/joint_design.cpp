@@ -76,7 +76,7 @@ void JointDesign::row(std::size_t test, std::size_t run, std::size_t i, double s
   const std::size_t centre = terms_.size() + 2 * centre_[test];
   row[centre] = std::cos(angle);
   row[centre + 1] = std::sin(angle);
-  row[terms_.size() + 2 * centres_.size() + bar_[test]] = 1;
+  row[first_bar() + bar_[test]] = 1;
 }
 
 double JointDesign::servo_part(std::size_t test, std::size_t run, std::size_t i) const {
@@ -98,6 +98,22 @@ std::vector<int> moving_axes(const Machine& machine, const std::vector<BallbarTe
   std::sort(moving.begin(), moving.end());
   moving.erase(std::unique(moving.begin(), moving.end()), moving.end());
   return moving;
+}
+
+std::vector<Travel> travel_of_tests(const Machine& machine, const std::vector<BallbarTest>& tests) {
+  std::vector<Travel> travel(static_cast<std::size_t>(machine.axis_count()), Travel{0, 0});
+  std::vector<bool> seen(travel.size());
+  const TestAxes axes = test_axes(machine);
+  for (const BallbarTest& test : tests) {
+    for (const int k : {test.plane.first, test.plane.second}) {
+      if (axes[static_cast<std::size_t>(k)] < 0) continue;
+      const auto axis = static_cast<std::size_t>(axes[static_cast<std::size_t>(k)]);
+      const Travel here = {test.centre[k] - test.radius, test.centre[k] + test.radius};
+      travel[axis] = seen[axis] ? Travel{std::min(travel[axis][0], here[0]), std::max(travel[axis][1], here[1])} : here;
+      seen[axis] = true;
+    }
+  }
+  return travel;
 }
 
 }  // namespace abbe

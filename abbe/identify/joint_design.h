@@ -24,7 +24,9 @@ class JointDesign {
   JointDesign(const Machine& machine, const std::vector<BallbarTest>& tests, std::vector<ModelTerm> terms);
 
   [[nodiscard]] const std::vector<ModelTerm>& terms() const { return terms_; }
-  [[nodiscard]] std::size_t unknowns() const { return terms_.size() + 2 * centres_.size() + bars_.size(); }
+  [[nodiscard]] std::size_t unknowns() const { return first_bar() + bars_.size(); }
+  /// Index of the first bar length.
+  [[nodiscard]] std::size_t first_bar() const { return terms_.size() + 2 * centres_.size(); }
   /// "EXX X^2", "centre X in XY (file)", "bar R100 (file)", .. per unknown.
   [[nodiscard]] std::vector<std::string> names() const;
 
@@ -54,5 +56,8 @@ class JointDesign {
 /// Indices of the machine's linear axes that take part in the tests, along the chain; empty if an axis of a
 /// test is missing or is no linear axis.
 [[nodiscard]] std::vector<int> moving_axes(const Machine& machine, const std::vector<BallbarTest>& tests);
+
+/// What the nominal circles of the tests cover of every moving axis of the machine; {0, 0} where nothing moves.
+[[nodiscard]] std::vector<Travel> travel_of_tests(const Machine& machine, const std::vector<BallbarTest>& tests);
 
 }  // namespace abbe

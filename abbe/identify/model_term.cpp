@@ -16,7 +16,8 @@ int direction_of(const Body& axis) {
 
 class Chooser {
  public:
-  Chooser(const Machine& machine, const TermChoice& choice) : machine_(machine), choice_(choice) {}
+  Chooser(const Machine& machine, const std::vector<Travel>& travel, const TermChoice& choice)
+      : machine_(machine), travel_(travel), choice_(choice) {}
 
   void add_squareness(const std::vector<int>& moving) {
     if (!choice_.squareness) return;
@@ -55,11 +56,14 @@ class Chooser {
  private:
   void add(ModelTerm::Form form, ErrorClass error_class, int direction, int axis, int power) {
     const Body& body = machine_.axis(axis);
-    const ModelTerm term{form, {error_class, direction, body.name}, axis, power};
+    ModelTerm term{form, {error_class, direction, body.name}, axis, power, {}};
+    if (form == ModelTerm::Form::power && direction < 3 && power > 1 && direction != direction_of(body))
+      term.line = nearest_line(power, travel_[static_cast<std::size_t>(axis)]);
     if (carries(body, term.name)) terms_.push_back(term);
   }
 
   const Machine& machine_;
+  const std::vector<Travel>& travel_;
   const TermChoice& choice_;
   std::vector<ModelTerm> terms_;
 };
@@ -72,7 +76,7 @@ double basis(const ModelTerm& term, const AxisState& state) {
     case ModelTerm::Form::constant:
       return 1;
     case ModelTerm::Form::power:
-      return std::pow(state.q[i], term.power);
+      return std::pow(state.q[i], term.power) - (term.line[0] + term.line[1] * state.q[i]);
     case ModelTerm::Form::lost_motion:
       return -0.5 * state.approach[i];
     case ModelTerm::Form::velocity:
@@ -102,11 +106,25 @@ std::string to_string(const ModelTerm& term, const Machine& machine) {
 }
 
 std::vector<ModelTerm> choose_terms(const Machine& machine, const std::vector<int>& moving,
-                                    const TermChoice& choice) {
-  Chooser chooser(machine, choice);
+                                    const std::vector<Travel>& travel, const TermChoice& choice) {
+  Chooser chooser(machine, travel, choice);
   chooser.add_squareness(moving);
   for (const int axis : moving) chooser.add_axis(axis);
   return chooser.take();
+}
+
+std::array<double, 2> nearest_line(int power, const Travel& travel) {
+  // q = m + L x, x in [-1, 1]:  line = mean(q^n) + 3 mean(q^n x) x
+  const double m = (travel[0] + travel[1]) / 2, L = (travel[1] - travel[0]) / 2;
+  if (!(L > 0)) return {0, 0};
+  double mean = 0, moment = 0, choose = 1;
+  for (int k = 0; k <= power; ++k) {
+    const double c = choose * std::pow(m, power - k) * std::pow(L, k);  // of x^k
+    (k % 2 == 0 ? mean : moment) += c / (k % 2 == 0 ? k + 1 : k + 2);
+    choose = choose * (power - k) / (k + 1);
+  }
+  const double slope = 3 * moment / L;
+  return {mean - slope * m, slope};
 }
 
 }  // namespace abbe

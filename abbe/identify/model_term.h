@@ -17,7 +17,8 @@ struct AxisState {
 /// One unknown of an identification: a coefficient of one error of the machine.
 ///
 ///   constant      c                 of location errors (squareness)
-///   power         c q^n             static, of the axis' own position
+///   power         c (q^n - line)    static, of the axis' own position; of a straightness the line nearest to q^n
+///                                   over the tested travel is taken off, which the squareness contains
 ///   lost_motion   -c/2 for increasing, +c/2 for decreasing approach of the axis: c > 0 falls behind
 ///   velocity      c v               dynamic
 ///   acceleration  c a               dynamic
@@ -26,6 +27,7 @@ struct ModelTerm {
   ErrorName name;
   int axis = 0;  ///< moving axis whose position, rate or approach is the variable
   int power = 1;
+  std::array<double, 2> line{};  ///< offset and slope taken off
 
   [[nodiscard]] bool is_dynamic() const { return form == Form::velocity || form == Form::acceleration; }
   friend bool operator==(const ModelTerm&, const ModelTerm&) = default;
@@ -51,9 +53,14 @@ struct TermChoice {
 };
 
 /// Terms of the linear axes `moving` (indices of moving axes), in the order: squareness, then per axis
-/// positioning, straightness, rotations, lost motion, dynamics. Squareness of two axes is the location error
+/// positioning, straightness, rotations, lost motion, dynamics. `travel` is what the tests cover of every moving
+/// axis. Squareness of two axes is the location error
 /// of the one farther along the chain from the workpiece; errors that cannot act on this chain are left out.
+using Travel = std::array<double, 2>;
 [[nodiscard]] std::vector<ModelTerm> choose_terms(const Machine& machine, const std::vector<int>& moving,
-                                                  const TermChoice& choice);
+                                                  const std::vector<Travel>& travel, const TermChoice& choice);
+
+/// Offset and slope of the line nearest to q^power (least squares, every q of the travel counts alike).
+[[nodiscard]] std::array<double, 2> nearest_line(int power, const Travel& travel);
 
 }  // namespace abbe

@@ -96,4 +96,55 @@ std::vector<UnseenCombination> unseen_combinations(const LeastSquaresSolution& s
   return out;
 }
 
+namespace {
+
+/// How readily an unknown is taken for zero: the rarer its cause, or the less it matters, the readier.
+int readiness(std::size_t unknown, const std::vector<ModelTerm>& terms, std::size_t first_bar) {
+  if (unknown >= first_bar) return 60;
+  if (unknown >= terms.size()) return -1;
+  const ModelTerm& term = terms[unknown];
+  const bool along = term.name.direction < 3 && term.form == ModelTerm::Form::power && term.power == 1;
+  switch (term.form) {
+    case ModelTerm::Form::constant: return 0;
+    case ModelTerm::Form::lost_motion: return 10;
+    case ModelTerm::Form::acceleration: return 50;
+    case ModelTerm::Form::velocity: return 70;
+    case ModelTerm::Form::power: return term.name.is_rotation() ? 90 + term.power : along ? 20 : 30 + term.power;
+  }
+  return 0;
+}
+
+/// The same rows without some columns.
+TriangularFactor without(const TriangularFactor& factor, const std::vector<std::size_t>& zeros) {
+  Eigen::MatrixXd rc = factor.factor();
+  for (const std::size_t k : zeros) rc.col(static_cast<Eigen::Index>(k)).setZero();
+  TriangularFactor out(factor.unknowns());
+  out.add(rc.leftCols(factor.unknowns()), rc.col(factor.unknowns()));
+  return out;
+}
+
+}  // namespace
+
+ZeroedSolution solve_with_zeros(const TriangularFactor& factor, const LeastSquaresOptions& options,
+                                const std::vector<std::string>& names, const std::vector<ModelTerm>& terms,
+                                std::size_t first_bar) {
+  ZeroedSolution out{solve(factor, options), {}};
+  for (std::size_t round = 0; round < names.size(); ++round) {
+    std::size_t zero = names.size();
+    for (const UnseenCombination& c : unseen_combinations(out.solution, names, terms)) {
+      if (std::find(out.zeros.begin(), out.zeros.end(), c.parts[0].unknown) != out.zeros.end()) continue;
+      for (const UnseenCombination::Part& part : c.parts) {
+        const int ready = readiness(part.unknown, terms, first_bar);
+        if (ready >= 0 && (zero == names.size() || ready > readiness(zero, terms, first_bar))) zero = part.unknown;
+      }
+    }
+    if (zero == names.size()) break;
+    out.zeros.push_back(zero);
+    const Eigen::Index rows = factor.rows();
+    out.solution = solve(without(factor, out.zeros), options);
+    out.solution.rows = rows;
+  }
+  return out;
+}
+
 }  // namespace abbe
