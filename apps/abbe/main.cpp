@@ -93,6 +93,7 @@ int run(int argc, char** argv) {
       profiles_verb(program, session),
       capture_verb(program, session),
       filter_verb(program, session),
+      ballbar_verb(program, session),
       simulate_verb(program, session),
   };
   const std::vector<std::string> words(argv + 1, argv + argc);
