@@ -26,5 +26,6 @@ struct Verb {
 [[nodiscard]] Verb verify_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb diff_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb explain_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb evaluate_verb(CLI::App& program, Session& session);
 
 }  // namespace abbe::app
