@@ -78,6 +78,7 @@ int run(int argc, char** argv) {
   program.footer(kFooter);
   const std::array verbs = {
       describe_verb(program, session),   predict_verb(program, session), map_verb(program, session),
+      ballbar_verb(program, session),
       correct_verb(program, session),    inverse_verb(program, session), cl_correct_verb(program, session),
       derive_verb(program, session),     signcheck_verb(program, session),
       compensate_verb(program, session), check_verb(program, session),   verify_verb(program, session),
