@@ -100,13 +100,6 @@ void judge_size(const RunTable& table, const std::vector<RunReading>& readings, 
   }
 }
 
-/// Standard deviation of all readings about the mean of their target, with its degrees of freedom.
-double pooled_scatter(const Eigen::MatrixXd& values) {
-  if (values.cols() < 2) return 0;
-  const double sum = (values.colwise() - values.rowwise().mean()).squaredNorm();
-  return std::sqrt(sum / static_cast<double>(values.rows() * (values.cols() - 1)));
-}
-
 /// Median of a row of values without its entry j.
 double median_of_others(const Eigen::MatrixXd& values, Eigen::Index row, Eigen::Index j) {
   std::vector<double> others;
@@ -122,12 +115,11 @@ void judge_outliers(const RunTable& table, const Eigen::MatrixXd& values, const 
   constexpr Eigen::Index kFewestRuns = 4;  // three others, so that one bad reading does not make their median
   if (values.cols() < kFewestRuns) return;
   const double least = table.quantity == Quantity::angle ? kLeastScatterAngle : kLeastScatter;
-  const double all =
-      pooled_scatter(values) * std::sqrt(static_cast<double>(values.rows() * (values.cols() - 1)));
+  const double all = (values.colwise() - values.rowwise().mean()).squaredNorm();
   for (Eigen::Index i = 0; i < values.rows(); ++i) {
     // Without this target, or a reading would hide behind the scatter that it makes.
     const double own = (values.row(i).array() - values.row(i).mean()).square().sum();
-    const double rest = std::max(all * all - own, 0.0);
+    const double rest = std::max(all - own, 0.0);
     const double scatter =
         std::max(std::sqrt(rest / static_cast<double>((values.rows() - 1) * (values.cols() - 1))), least);
     for (Eigen::Index j = 0; j < values.cols(); ++j) {
@@ -201,6 +193,17 @@ std::optional<RunColumns> run_columns(const MeasuredTable& table, std::string_vi
 }
 
 }  // namespace
+
+double reading_scatter(const RunTable& table) {
+  double sum = 0, freedom = 0;
+  for (const Eigen::MatrixXd* values : {&table.forward, &table.backward}) {
+    if (values->cols() < 2) continue;
+    // s^2 = sum (x_ij - x_i)^2 / (targets (runs - 1)), over both directions
+    sum += (values->colwise() - values->rowwise().mean()).squaredNorm();
+    freedom += static_cast<double>(values->rows() * (values->cols() - 1));
+  }
+  return freedom > 0 ? std::sqrt(sum / freedom) : 0;
+}
 
 Parsed<RunTable> sort_runs(const std::string& file, const std::vector<RunReading>& readings,
                            Quantity target_quantity, Quantity quantity) {

@@ -30,6 +30,10 @@ struct RunTable {
   [[nodiscard]] bool bidirectional() const { return forward.cols() > 0 && backward.cols() > 0; }
 };
 
+/// Standard deviation of a reading about the mean of its target and direction, pooled over the table; 0 for single
+/// runs.
+[[nodiscard]] double reading_scatter(const RunTable& table);
+
 /// A reading as files list them.
 struct RunReading {
   double target = 0;     ///< mm or rad

@@ -83,7 +83,7 @@ int run(int argc, char** argv) {
       derive_verb(program, session),     signcheck_verb(program, session),
       compensate_verb(program, session), check_verb(program, session),   verify_verb(program, session),
       diff_verb(program, session),       explain_verb(program, session),
-      evaluate_verb(program, session)};
+      evaluate_verb(program, session), fit_verb(program, session)};
   const std::vector<std::string> words(argv + 1, argv + argc);
   try {
     program.parse(argc, argv);

@@ -28,5 +28,6 @@ struct Verb {
 [[nodiscard]] Verb diff_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb explain_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb evaluate_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb fit_verb(CLI::App& program, Session& session);
 
 }  // namespace abbe::app
