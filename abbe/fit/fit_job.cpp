@@ -85,7 +85,10 @@ const FitSquare* FitJob::find_square(std::string_view name) const {
   return found == squares.end() ? nullptr : &*found;
 }
 
-Parsed<FitJob> read_fit_job(const MachineText& text, const FileFetcher& fetch) {
+namespace {
+
+Parsed<FitJob> read_job(const MachineText& text, const FileFetcher& fetch,
+                        const std::optional<MeasurementPlan>& plan) {
   Parsed<FitJob> out;
   Findings findings(text.file, text.text, out.diagnostics);
   const std::optional<TomlNode> root = read_toml(text.text, findings);
@@ -105,7 +108,7 @@ Parsed<FitJob> read_fit_job(const MachineText& text, const FileFetcher& fetch) {
   job.files.insert(job.files.end(), job.machine.files.begin(), job.machine.files.end());
   job.calibration = read_calibration(*root, findings);
   job.most_order = read_most_order(*root, job.most_order, findings);
-  JobReader reader(job, read_units(*root, findings), folder, fetch, findings, out.diagnostics);
+  JobReader reader(job, read_units(*root, findings), folder, fetch, plan, findings, out.diagnostics);
   read_job_entries(*root, reader, findings);
   if (!has_errors(out.diagnostics) && job.runs.empty() && job.diagonals.empty() && job.points.empty() &&
       job.values.empty())
@@ -113,6 +116,16 @@ Parsed<FitJob> read_fit_job(const MachineText& text, const FileFetcher& fetch) {
                    "add [[run]], [[diagonal]], [[points]], [[ball]] or [[value]]");
   if (!has_errors(out.diagnostics)) out.value = std::move(job);
   return out;
+}
+
+}  // namespace
+
+Parsed<FitJob> read_fit_job(const MachineText& job, const FileFetcher& fetch) {
+  return read_job(job, fetch, std::nullopt);
+}
+
+Parsed<FitJob> plan_fit_job(const MachineText& job, const FileFetcher& fetch, const MeasurementPlan& plan) {
+  return read_job(job, fetch, plan);
 }
 
 }  // namespace abbe

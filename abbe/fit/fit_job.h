@@ -111,4 +111,17 @@ struct FitJob {
 /// laws     TotalOnAnyBytes
 [[nodiscard]] Parsed<FitJob> read_fit_job(const MachineText& job, const FileFetcher& fetch);
 
+/// How a job is to be measured whose files do not exist yet.
+struct MeasurementPlan {
+  int targets = 11;
+  int runs = 5;
+  bool bidirectional = true;
+};
+
+/// The same job before it was measured: every run has targets spaced evenly over the travel of its axis (every diagonal
+/// over its length, points a grid over all travels) and readings of 0. Its measurement files are not opened.
+/// errors   those of read_fit_job, and E-JOB-RANGE: a travel is not known; E-JOB-KIND: balls cannot be planned
+[[nodiscard]] Parsed<FitJob> plan_fit_job(const MachineText& job, const FileFetcher& fetch,
+                                          const MeasurementPlan& plan);
+
 }  // namespace abbe

@@ -22,6 +22,9 @@ struct Verb {
 [[nodiscard]] Verb derive_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb cl_correct_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb signcheck_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb capture_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb filter_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb simulate_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb compensate_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb check_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb verify_verb(CLI::App& program, Session& session);
