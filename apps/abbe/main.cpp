@@ -94,6 +94,8 @@ int run(int argc, char** argv) {
       capture_verb(program, session),
       filter_verb(program, session),
       ballbar_verb(program, session),
+      evaluate_verb(program, session),
+      fit_verb(program, session),
       simulate_verb(program, session),
   };
   const std::vector<std::string> words(argv + 1, argv + argc);
