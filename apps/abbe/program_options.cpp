@@ -113,7 +113,7 @@ std::string today() {
 
 void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) {
   add_common_options(verb, a.common, session);
-  verb.add_option("--dialect", a.dialect, "control the program is for")->check(CLI::IsMember({"linuxcnc"}))->capture_default_str();
+  verb.add_option("--dialect", a.dialect, "control the program is for")->check(CLI::IsMember({"linuxcnc", "cl", "apt", "clsf"}))->capture_default_str();
   verb.add_option("--offset", a.offsets, "work offset in machine coordinates, e.g. G54=X-120.5,Y40,Z-210[,R10] (repeatable)");
   verb.add_option("--var", a.parameters, "LinuxCNC parameter file: work offsets, in mm");
   verb.add_option("--tools", a.tools, "LinuxCNC tool table, in mm (gauge= in a comment gives the gauge length)");
@@ -126,11 +126,12 @@ void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) 
   verb.add_option("--tolerance-um", a.tolerance_um, "what interpolation may leave")->check(CLI::Range(0.01, 1000.0))->capture_default_str();
   verb.add_option("--max-correction-um", a.max_correction_um, "larger corrections are refused")->check(CLI::Range(1.0, 1e5))->capture_default_str();
   verb.add_flag("--reversal", a.reversal, "correct lost motion where an axis turns round, instead of its mean");
+  add_cl_options(verb, a.cl);
   verb.add_option("--report", a.report, "write the report as JSON");
   verb.add_option("--figure", a.figure, "draw the deviation before and after (SVG)");
 }
 
-std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, Session& session) {
+std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, const std::string& program, Session& session) {
   auto setting = load_setting(a.common, session);
   if (!setting) return std::nullopt;
   const double unit = setting->machine.units.length;
@@ -160,6 +161,9 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, Se
   if (!a.block_delete.empty()) setup.block_delete = a.block_delete == "on" ? BlockDelete::on : BlockDelete::off;
   if (!a.common.approach.empty()) findings.push_back(option_error("--approach", "a program states its own directions", "leave it out; --reversal uses them"));
   if (a.common.limit_angle_deg) findings.push_back(option_error("--limit-angle-deg", "three linear axes cannot correct the tool's direction", "leave it out, or ask `abbe predict`"));
+  std::optional<ClSetting> cl;
+  if (is_cl_data(a.dialect, program)) cl = read_cl_setting(a.cl, setting->machine, setup, findings);
+  if (cl && a.reversal) findings.push_back(option_error("--reversal", "CL data do not say from which side the machine's axes come", "leave it out: the mean of both directions is corrected"));
   session.report(findings);
   if (!findings.empty() || !good) return std::nullopt;
   auto plan = plan_or_report(*setting, setting->environment, session);
@@ -179,6 +183,7 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, Se
   job.figure = a.figure;
   job.version = ABBE_VERSION;
   job.today = today();
+  job.cl = std::move(cl);
   return ProgramSetting{std::move(*setting), std::move(*plan), std::move(job)};
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "abbe/pipeline/compensate_program.h"
+#include "cl_options.h"
 #include "common.h"
 #include "session.h"
 
@@ -21,6 +22,7 @@ struct ProgramArguments {
   double tolerance_um = 1, max_correction_um = 500;
   bool reversal = false;
   std::string report, figure;
+  ClArguments cl;
 };
 
 void add_program_options(CLI::App& verb, ProgramArguments& arguments, Session& session);
@@ -31,6 +33,7 @@ struct ProgramSetting {
   Plan plan;
   ProgramJob job;  ///< without paths of program and output
 };
-[[nodiscard]] std::optional<ProgramSetting> load_program_setting(const ProgramArguments& arguments, Session& session);
+/// `program`: its path tells CL data from G code where --dialect does not.
+[[nodiscard]] std::optional<ProgramSetting> load_program_setting(const ProgramArguments& arguments, const std::string& program, Session& session);
 
 }  // namespace abbe::app

@@ -54,7 +54,7 @@ void run_rewrite(const RewriteArguments& arguments, Session& session, bool check
     session.report(option_error("--json", "standard output cannot hold the program and the report", "write the report with --report"));
     return;
   }
-  auto setting = load_program_setting(arguments.program, session);
+  auto setting = load_program_setting(arguments.program, arguments.input, session);
   if (!setting) return;
   setting->job.program = arguments.input;
   if (!check) setting->job.output = arguments.output;
@@ -93,7 +93,7 @@ Verb verify_verb(CLI::App& program, Session& session) {
   verb->add_option("original", arguments->input, "the original program")->required();
   verb->add_option("compensated", arguments->output, "the compensated program")->required();
   return {verb, [arguments, &session] {
-            auto setting = load_program_setting(arguments->program, session);
+            auto setting = load_program_setting(arguments->program, arguments->input, session);
             if (!setting) return;
             setting->job.program = arguments->input;
             ProgramOutcome outcome;
@@ -176,7 +176,7 @@ Verb explain_verb(CLI::App& program, Session& session) {
               session.report(option_error("explain", fmt::format("'{}' is not FILE:LINE", arguments->input), "write part.ngc:120"));
               return;
             }
-            auto setting = load_program_setting(arguments->program, session);
+            auto setting = load_program_setting(arguments->program, arguments->input.substr(0, colon), session);
             if (!setting) return;
             setting->job.program = arguments->input.substr(0, colon);
             setting->job.trace_line = static_cast<std::uint64_t>(*line);
