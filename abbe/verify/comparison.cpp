@@ -27,6 +27,8 @@ const char* why_of(std::string_view code) {
   if (code == "V-FRAME") return "every later position would be off by the difference";
   if (code == "V-LIMIT")
     return "a correction this large is more likely a mistake than an error of the machine";
+  if (code == "V-AXIS") return "a rotary axis that turns otherwise moves the tool through the part";
+  if (code == "V-DIRECTION") return "the tool would stand more askew than without compensation";
   if (code == "V-VOL") return "the errors are not known there, so the correction is a guess";
   if (code == "V-TRAVEL") return "the control would stop there";
   return "the output must do everything that the original does, in the same order";
@@ -92,6 +94,7 @@ Comparison::Comparison(const VerifyJob& job, TipModel& model, ProgramReader& ori
       original_(original),
       output_(output),
       report_(report),
+      output_turns_(job.setup.start_turns),
       samples_(job.samples) {}
 
 void Comparison::run(const KeepGoing& keep_going) {
@@ -179,10 +182,12 @@ void Comparison::compare_frames() {
 void Comparison::compare_motion() {
   const Motion& expected = original_.motion();
   if (context_changed_) update_context();
-  if (stop_) return;
-  if (expected.feeds() && !expected.machine_words) return cover(expected);
+  if (stop_ || !stand(expected.turns_end, output_turns_)) return;
+  if (expected.feeds() && !expected.machine_words) return expected.turns() ? cover_turning(expected) : cover(expected);
   if (!pull_motion()) return;
   const Motion& found = output_.motion();
+  output_turns_ = found.turns_end;
+  if (!stand(expected.turns_end, output_turns_) || !check_turns(expected, found)) return;
   if (expected.kind != found.kind || expected.machine_words != found.machine_words ||
       expected.code != found.code) {
     if (expected.kind == MotionKind::cycle || found.kind == MotionKind::cycle)
@@ -286,14 +291,26 @@ void Comparison::update_context() {
   if (job_.datum != DatumRule::probed) return;
   const Frames& frames = original_.frames();
   if (frames.system().defined != kAllAxes) return;
-  // D0 = actual(m0) - nominal(m0) at the work-offset origin
+  // D0 = actual(m0) - nominal(m0) at the work-offset origin, rotary axes at zero
   const Vec3 origin = frames.system().origin + frames.tool_offset;
+  model_.stand({{}, {}, false, 0});
   datum_ = model_.actual(origin, Approach{}, nullptr) - model_.nominal(origin);
   const DatumShift shift{frame_name(frames.active), tool.value_or(-1), datum_};
   const bool known = std::any_of(report_.datums.begin(), report_.datums.end(), [&](const DatumShift& other) {
     return other.frame == shift.frame && other.tool == shift.tool && other.removed == shift.removed;
   });
   if (!known && report_.datums.size() < kMaxDatums) report_.datums.push_back(shift);
+}
+
+/// Where the rotary axes of both programs stand from now on. False: the tip cannot be followed there (reported).
+bool Comparison::stand(const Turns& original, const Turns& output) {
+  if (!model_.rotary().any()) return true;
+  const Stance stance{original, output, original_.tcp(), original_.frames().tool_offset.z()};
+  if (stance == model_.stance()) return true;
+  reached_.valid = false;
+  if (model_.stand(stance)) return true;
+  disagree_and_stop("V-AXIS", "with the rotary axes at these positions the linear axes cannot follow the tip");
+  return false;
 }
 
 /// sqrt(3) half digits: each coordinate is rounded by at most half a digit.

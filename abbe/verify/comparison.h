@@ -12,6 +12,9 @@
 
 namespace abbe::verifying {
 
+/// "Z leaves its travel: 12.3456 mm"; axes 0 1 2 = X Y Z (mm), 3 4 5 = A B C (rad).
+[[nodiscard]] std::string travel_message(int axis, double at);
+
 /// Walks through original and output in lockstep and writes what differs into a report
 /// (docs/theory/verification.md). One comparison per pair of readers.
 class Comparison {
@@ -66,6 +69,19 @@ class Comparison {
   void account(Cover& cover, const Motion& piece, double t, const Vec3& command, const Vec3& tip);
   void conclude(Cover& cover);
 
+  // cover_turning.cpp: feed motions with rotary axes
+  struct TurnCover;
+  void cover_turning(const Motion& original);
+  bool turn_piece(TurnCover& cover, const Motion& piece);
+  void turn_sample(TurnCover& cover, const Motion& piece, double t);
+  void find_foot(TurnCover& cover, const Vec3& tip, const Turns& turns);
+  TipAndAxis meant(const TurnCover& cover, double s);
+  TipAndAxis done(const Motion& piece, double t);
+  void conclude_turning(TurnCover& cover);
+  bool stand(const Turns& original, const Turns& output);
+  bool check_turns(const Motion& original, const Motion& output);
+  void check_direction(const Motion& original, double after, double before);
+
   /// Tip at the start of a motion: mostly where the last one ended, and then already known.
   [[nodiscard]] Vec3 start_tip(const Vec3& command);
   [[nodiscard]] double quantum() const;  ///< allowance for the digits of a point, mm
@@ -92,6 +108,8 @@ class Comparison {
     Approach approach{};
   } reached_;             ///< end of the output's last motion
   double travelled_ = 0;  ///< feed path so far, mm
+  Turns output_turns_{};  ///< of the output after its last motion
+  double standing_direction_ = 0;  ///< direction error, before compensation, where the rotary axes last turned, rad
   DeviationTally before_, after_;
   SampleKeeper samples_;
 };

@@ -22,7 +22,7 @@ Frames frames_of(const ControlSetup& setup) {
     const auto& given = setup.work_offsets[i];
     if (!given) continue;
     frames.systems[i] = {Vec3(given->origin[0], given->origin[1], given->origin[2]), given->rotation,
-                         kAllAxes};
+                         kAllAxes, given->turns};
   }
   return frames;
 }

@@ -21,6 +21,7 @@ struct Frames {
     Vec3 origin = Vec3::Zero();
     double rotation = 0;  ///< rad, about Z
     Axes defined = 0;     ///< axes whose origin is known
+    std::array<double, 3> turns{};  ///< where A B C are zero, rad
   };
   std::array<System, 9> systems;  ///< G54 .. G59.3
   int active = 0;

@@ -31,7 +31,7 @@ bool is_header_comment(std::string_view comment) {
 
 struct ProgramReader::State {
   State(LineReader reader, std::string file_name, const ControlSetup& setup, const Options& choice)
-      : lines(std::move(reader)), name(std::move(file_name)), options(choice), control(setup) {}
+      : lines(std::move(reader)), name(std::move(file_name)), options(choice), control(setup, choice.rotary) {}
 
   Item next() {
     while (!refused) {
@@ -113,8 +113,9 @@ struct ProgramReader::State {
     std::string_view words = text;
     const bool numbered =
         first_block && (text[first] == 'O' || text[first] == 'o') && program_number(first, words);
-    const bool readable = read_block(words, block, fault);
-    const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0;
+    const auto codes = options.rotary != nullptr ? options.rotary->codes() : std::span<const TcpCode>{};
+    const bool readable = read_block(words, block, fault, codes);
+    const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0 || block.tcp_code >= 0;
     if (numbered && says_something) {
       fault = {"E-OWORD",
                first + 1,
@@ -231,6 +232,8 @@ bool ProgramReader::deletable() const { return state_->deletable; }
 bool ProgramReader::saw_deletable() const { return state_->saw_deletable; }
 const Frames& ProgramReader::frames() const { return state_->control.frames(); }
 std::optional<int> ProgramReader::tool() const { return state_->control.tool(); }
+const Turns& ProgramReader::turns() const { return state_->control.turns(); }
+bool ProgramReader::tcp() const { return state_->control.tcp(); }
 bool ProgramReader::inch() const { return state_->control.inch(); }
 LineReader& ProgramReader::file() { return state_->lines; }
 

@@ -10,6 +10,7 @@
 #include "abbe/core/file.h"
 #include "abbe/machine/control_setup.h"
 #include "abbe/verify/motion.h"
+#include "abbe/verify/rotary.h"
 
 namespace abbe::verifying {
 
@@ -24,6 +25,7 @@ class ProgramReader {
     bool hashed = true;           ///< file().sha256() will be asked for
     bool skip_deletable = false;  ///< blocks with '/' are not executed
     bool report_skipped = false;  ///< ... but come as events, with their text
+    const Rotary* rotary = nullptr;  ///< kept by the caller; null: rotary words are refused
   };
   [[nodiscard]] static FileResult<ProgramReader> open(const std::string& path, const std::string& name,
                                                       const ControlSetup& setup, const Options& options);
@@ -47,6 +49,8 @@ class ProgramReader {
   [[nodiscard]] const Frames& frames() const;     ///< in force for the current item
   [[nodiscard]] std::optional<int> tool() const;  ///< in the spindle
   [[nodiscard]] bool inch() const;                ///< units in force
+  [[nodiscard]] const Turns& turns() const;       ///< of A B C after the current item's block, rad
+  [[nodiscard]] bool tcp() const;                 ///< tool centre point control is on
   [[nodiscard]] LineReader& file();               ///< for bytes, identity and checksum
 
  private:

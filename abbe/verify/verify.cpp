@@ -78,6 +78,7 @@ VerifyReport verify_program(const Plan& plan, const VerifyJob& job, const Progre
   const bool skip = job.setup.block_delete == ControlSetup::BlockDelete::on;
   Pass pass;
   pass.options.skip_deletable = pass.options.report_skipped = skip;
+  pass.options.rotary = &tips.rotary();
   run_pass(tips, job, pass, report, progress);
 
   // Nobody said whether '/' blocks run: both ways must agree.
@@ -86,6 +87,7 @@ VerifyReport verify_program(const Plan& plan, const VerifyJob& job, const Progre
     Pass skipped;
     skipped.options.skip_deletable = true;
     skipped.options.hashed = false;
+    skipped.options.rotary = &tips.rotary();
     skipped.number = 1;
     skipped.count = 2;
     VerifyReport second;
