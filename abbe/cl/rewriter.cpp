@@ -192,17 +192,20 @@ void Rewriter::write_axis(const Record& record, NumberEdit& edit, Node& node) co
     node.written.axis = last_ ? last_->written.axis : node.place.pose.axis;
     return;
   }
-  Vec3 axis = node.place.pose.axis;
-  if (motion.kind == MotionKind::arc && last_)
-    axis = last_->written.axis;
-  else if (motion.axis_free)
-    axis = field_.corrected_axis(node.place);
-  const Vec3 numbers = frame.rotation.transpose() * axis;
-  Vec3 seen;
-  for (std::size_t k = 0; k < 3; ++k)
-    seen[static_cast<Eigen::Index>(k)] = edit.set(3 + k, numbers[static_cast<Eigen::Index>(k)], digits_.axis);
+  const Vec3 stated(record.items[3].value, record.items[4].value, record.items[5].value);
+  Vec3 seen = stated;
+  const bool on_arc = motion.kind == MotionKind::arc && last_;
+  if (on_arc || motion.axis_free || node.s != 1) {
+    const Vec3 axis = on_arc             ? last_->written.axis
+                      : motion.axis_free ? field_.corrected_axis(node.place)
+                                         : node.place.pose.axis;
+    // as long as the record's own vector: its digits are not those of a unit vector
+    const Vec3 numbers = stated.norm() * (frame.rotation.transpose() * axis);
+    for (std::size_t k = 0; k < 3; ++k)
+      seen[static_cast<Eigen::Index>(k)] =
+          edit.set(3 + k, numbers[static_cast<Eigen::Index>(k)], digits_.axis);
+  }
   node.written.axis = (frame.rotation * seen).normalized();
-  (void)record;
 }
 
 /// Fills in what is written for a pose. `from`: GODLTA only, where the written path stands.

@@ -45,7 +45,9 @@ class Rewriter {
   [[nodiscard]] bool hole(const Record& record, const Node& node);
   [[nodiscard]] double left_between(const Motion& written, const Node& a, const Node& b) const;
   [[nodiscard]] int samples(const Node& a, const Node& b) const;
-  [[nodiscard]] bool piece_is_long_enough(const Record& record, double length);
+  [[nodiscard]] double allowed_in_one() const;
+  [[nodiscard]] bool stays_one() const;
+  [[nodiscard]] bool may_halve(const Record& record, double left, double part, int depth);
 
   [[nodiscard]] bool line_pieces(const Record& record, const Node& a, const Node& b, int depth,
                                  std::vector<Node>& ends);

@@ -18,10 +18,12 @@ constexpr double kTurnSpacing = 2 * deg;
 constexpr double kArcSpacing = 15 * deg;
 constexpr int kMostSamples = 64;
 constexpr int kDeepest = 10;          // 1024 pieces
-constexpr double kLeastPiece = 0.05;  // mm
+constexpr double kLeastPiece = 0.05;  // mm, or
+constexpr double kLeastTurn = 0.05 * deg;
 constexpr double kLeastArc = 5 * deg;
 constexpr double kSweepSlack = 0.05;  // rad: a written arc sweeps what the original does
-constexpr double kCutterPieces = 3;   // cutter diameters that a piece under CUTCOM has at least
+constexpr double kCutterPieces = 2;   // cutter diameters that a piece under CUTCOM has at least
+constexpr double kNearly = 0.9;       // of the tolerance, for motions that should stay one
 
 /// The bytes of a record without what stands behind its last item, for every piece but the first.
 std::string without_remark(const std::string& bytes) {
@@ -46,7 +48,7 @@ bool Rewriter::too_bent(const Record& record, double left, const char* fix) {
   findings_.refuse(record,
                    {"E-TOL",
                     fmt::format("the correction bends by {:.2f} um along this motion, {:.2f} um is allowed",
-                                left / um, job_.tolerance / 2 / um),
+                                left / um, allowed_in_one() / um),
                     "one motion cannot follow it", fix});
   return false;
 }
@@ -83,45 +85,52 @@ bool Rewriter::node_between(const Record& record, const Node& a, const Node& b, 
   return solve(record, edit, a.written.tip, middle);
 }
 
-/// A cutter-compensating control intersects neighbouring pieces: short ones may vanish inside a corner.
-bool Rewriter::piece_is_long_enough(const Record& record, double length) {
+/// Motions that should stay one may use what else is left for solving; the others half the tolerance.
+double Rewriter::allowed_in_one() const {
+  return (stays_one() || interpreter_.motion().cutter_compensated ? kNearly : 0.5) * job_.tolerance;
+}
+
+bool Rewriter::stays_one() const {
   const Motion& motion = interpreter_.motion();
+  return !motion.may_split || motion.incremental || interpreter_.feed().mode == FeedMode::inverse_time;
+}
+
+/// Whether a motion that leaves `left` may be cut into pieces of this part of it; refused if not.
+/// A cutter-compensating control intersects neighbouring pieces: short ones may vanish inside a corner.
+bool Rewriter::may_halve(const Record& record, double left, double part, int depth) {
+  const Motion& motion = interpreter_.motion();
+  const double length = part * length_of(motion);
+  if (stays_one())
+    return too_bent(record, left, "post shorter motions (GOTO, feeds per minute) there, or --tolerance-um");
+  if (depth >= kDeepest || (length < kLeastPiece && part * turn_of(motion) < kLeastTurn))
+    return too_bent(record, left,
+                    "the correction has a step there: check the error tables, or --tolerance-um");
+  if (motion.cutter_compensated &&
+      !(interpreter_.cutter_diameter() > 0 && length >= kCutterPieces * interpreter_.cutter_diameter())) {
+    findings_.refuse(
+        record,
+        {"E-CUTCOM",
+         fmt::format("the correction bends by {:.2f} um, and pieces of {:.2f} mm are too short under CUTCOM",
+                     left / um, length),
+         "pieces shorter than two cutter diameters may vanish inside a corner of the offset path",
+         "--tolerance-um, or post the tool-centre path"});
+    return false;
+  }
   report_.shortest_split = report_.shortest_split == 0 ? length : std::min(report_.shortest_split, length);
-  if (length < kLeastPiece) return false;
-  if (!motion.cutter_compensated) return true;
-  const double diameter = interpreter_.cutter_diameter();
-  if (diameter > 0 && length >= kCutterPieces * diameter) return true;
-  findings_.refuse(
-      record, {"E-CUTCOM", fmt::format("pieces of {:.2f} mm under CUTCOM", length),
-               "pieces shorter than three cutter diameters may vanish inside a corner of the offset path",
-               "--tolerance-um, or post the tool-centre path"});
-  return false;
+  return true;
 }
 
 bool Rewriter::line_pieces(const Record& record, const Node& a, const Node& b, int depth,
                            std::vector<Node>& ends) {
-  const Motion& motion = interpreter_.motion();
   Motion written;
   written.start = a.written;
   written.end = b.written;
   const double left = left_between(written, a, b);
-  if (left <= job_.tolerance / 2) {
+  if (left <= allowed_in_one()) {
     ends.push_back(b);
     return true;
   }
-  const double length = length_of(motion) * 0.5 * (b.s - a.s);
-  if (!motion.may_split || motion.incremental || interpreter_.feed().mode == FeedMode::inverse_time) {
-    if (left <= job_.tolerance) {
-      ends.push_back(b);
-      return true;
-    }
-    return too_bent(record, left,
-                    motion.incremental ? "write GOTO in place of GODLTA"
-                                       : "post shorter motions there, or --tolerance-um");
-  }
-  if (depth >= kDeepest || !piece_is_long_enough(record, length))
-    return too_bent(record, left,
-                    "the correction has a step there: check the error tables, or --tolerance-um");
+  if (!may_halve(record, left, 0.5 * (b.s - a.s), depth)) return false;
   Node middle;
   return node_between(record, a, b, middle) && line_pieces(record, a, middle, depth + 1, ends) &&
          line_pieces(record, middle, b, depth + 1, ends);
@@ -183,7 +192,11 @@ double Rewriter::fit_arc(const Node& a, const Node& b, bool through_middle, Vec3
       const double below = 2 * (e.dot(m) - e.dot(from));
       if (std::abs(below) > 1e-9) along = (m.squaredNorm() - from.squaredNorm()) / below;
     }
-    centre = mid + along * e;
+    // What the original's centre is off this plane, by its digits, it stays.
+    const Vec3 was = pose_at(motion, b.s).tip - pose_at(motion, a.s).tip,
+               was_chord = (was - n * n.dot(was)).normalized();
+    const double off = was_chord.dot(original - 0.5 * (a.place.pose.tip + b.place.pose.tip));
+    centre = mid + along * e + off * chord.normalized();
   }
   centre += n * n.dot(start - centre);  // at the height of the start
   Motion written;
@@ -200,7 +213,7 @@ bool Rewriter::arc_pieces(const Record& record, const Node& a, const Node& b, in
   const Motion& motion = interpreter_.motion();
   ArcPiece piece{b, {}};
   double left = fit_arc(a, b, false, piece.centre);
-  if (left > job_.tolerance / 2) {
+  if (left > allowed_in_one()) {
     Vec3 other;
     const double by_points = fit_arc(a, b, true, other);
     if (by_points < left) {
@@ -208,16 +221,14 @@ bool Rewriter::arc_pieces(const Record& record, const Node& a, const Node& b, in
       piece.centre = other;
     }
   }
-  if (left <= job_.tolerance / 2 || (!motion.may_split && left <= job_.tolerance)) {
+  if (left <= allowed_in_one()) {
     pieces.push_back(std::move(piece));
     return true;
   }
   const double part = 0.5 * (b.s - a.s);
-  if (!motion.may_split || interpreter_.feed().mode == FeedMode::inverse_time ||
-      motion.arc.sweep * part < kLeastArc || depth >= kDeepest)
-    return too_bent(record, left, "post the arc as shorter arcs or points, or --tolerance-um");
-  if (!piece_is_long_enough(record, length_of(motion) * part))
+  if (motion.arc.sweep * part < kLeastArc)
     return too_bent(record, left, "post the arc as points, or --tolerance-um");
+  if (!may_halve(record, left, part, depth)) return false;
   Node middle;
   return node_between(record, a, b, middle) && arc_pieces(record, a, middle, depth + 1, pieces) &&
          arc_pieces(record, middle, b, depth + 1, pieces);

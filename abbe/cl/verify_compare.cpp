@@ -101,7 +101,6 @@ bool Comparison::run(PathReader& original, PathReader& output, const Progress& p
       report_.stopped = true;
       return false;
     }
-    use_tool(*step);
     if (!(step->move == Move::none ? record(*step, output) : motion(*step, output))) return false;
   }
   if (original.fault() || output.fault() || !going_on_) return false;
@@ -223,6 +222,7 @@ bool Comparison::fit_to_run(const Step& original, const Step& piece, const Outco
 }
 
 bool Comparison::motion(const Step& original, PathReader& output) {
+  use_tool(original);
   auto other = next_step(output);
   if (!other) {
     if (!output.fault()) disagree("V-MISSING", original, nullptr, "the output ends before this motion");
