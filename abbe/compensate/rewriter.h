@@ -128,7 +128,8 @@ class Rewriter {
   std::optional<Stop> stop_at(const Move& move, double s, const Turns& from);
   bool bends(const Move& move, const Stop& a, const Stop& b);
   bool split_turn(const Move& move, const Stop& a, const Stop& b, int depth, std::vector<Stop>& stops);
-  bool turning_feed_allowed(const Move& move, const Stop& start, const Stop& end);
+  bool choose_turning_feed(const Move& move, const Stop& start, const Stop& end);
+  void write_timed(const Move& move, const std::vector<Piece>& pieces, std::string& out);
 
   // rewriter_arc.cpp
   /// The directions in which the axes have moved last, after they went `way` (machine axes); `known` axes only.
@@ -199,6 +200,7 @@ class Rewriter {
   unsigned needed_ = 7;                ///< axes whose position the correction depends on
   unsigned turned_ = 0;                ///< rotary axes that the program has commanded, bits 0 1 2 = A B C
   bool tcp_ = false;
+  double timed_feed_ = 0;  ///< 1/min: the block's time is stated by G93 in its output; 0: not
   AddressedAxes axes_;
   bool start_corrected_ = false;  ///< the output stands where the correction wants it
   std::optional<Vec3> last_correction_;  ///< at in_.m, for the current datum

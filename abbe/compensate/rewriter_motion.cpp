@@ -238,6 +238,10 @@ bool Rewriter::sample_line(const Move& move, const Vec3& end_correction, const s
 
 void Rewriter::put_feed_share(double fraction, bool first, std::string* extra) {
   const Word* f = instruction_.find(block_, 'F');
+  if (timed_feed_ > 0) {
+    put('F', first ? f : nullptr, timed_feed_ / fraction, 4, first, extra);
+    return;
+  }
   if (modal_.feed_mode != 930 || !f || fraction >= 1) return;
   if (!first) *extra += " F";
   append_fixed(first ? edit_.replace(*f) : *extra, f->value / fraction, std::max<int>(f->decimals, 4));

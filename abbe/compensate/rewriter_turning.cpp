@@ -224,18 +224,41 @@ bool Rewriter::split_turn(const Move& move, const Stop& a, const Stop& b, int de
   return true;
 }
 
-// F is of the linear axes as long as they move, else in degrees per minute: a correction must not change which.
-bool Rewriter::turning_feed_allowed(const Move& move, const Stop& start, const Stop& end) {
+// F is of the linear axes as long as they move, else in degrees per minute. Where a correction would change which,
+// the time is stated instead: for rotary axes alone  T = sqrt(sum of squared ways) / F.
+bool Rewriter::choose_turning_feed(const Move& move, const Stop& start, const Stop& end) {
+  timed_feed_ = 0;
   if (modal_.feed_mode == 930) return true;
   const double way = (move.m1 - move.m0).norm(), now = (end.m - start.m).norm();
   const bool corrected = now > half_digit(decimals_of(nullptr)) * modal_.unit();
   const bool same = way > 0 ? std::abs(now - way) <= kFeedChange * way : !corrected;
   if (same) return true;
-  refuse_block("E-ROTFEED", way > 0 ? fmt::format("a turning feed move of {:.4f} mm becomes {:.4f} mm long", way, now)
-                                    : fmt::format("a feed move of rotary axes alone, with a correction of {:.1f} um of the linear ones", now / um),
+  double angle = 0;
+  for (std::size_t k = 0; k < 3; ++k) angle = std::hypot(angle, (move.turns1[k] - move.turns0[k]) / deg);
+  const double distance = way > 0 ? way / modal_.unit() : angle;
+  if (modal_.feed_mode == 940 && modal_.has_feed && modal_.feed > 0) {
+    timed_feed_ = modal_.feed / distance;
+    return true;
+  }
+  refuse_block("E-ROTFEED", fmt::format("a turning feed move of {:.4f} mm becomes {:.4f} mm long", way, now),
                "the control's F is of the linear axes where these move: the rotary axes would turn at another speed",
-               "post with inverse time (G93), or with tool centre point control");
+               "post with inverse time (G93)");
   return false;
+}
+
+// G93 before the block and the feed mode of the original behind it.
+void Rewriter::write_timed(const Move& move, const std::vector<Piece>& pieces, std::string& out) {
+  const std::string inner_eol = file_eol_.empty() ? std::string("\n") : file_eol_;
+  const std::string_view line_eol = eol_;
+  const char* const slash = block_.slash ? "/" : "";
+  eol_ = inner_eol;
+  out += fmt::format("{}G93{}", slash, inner_eol);
+  write_pieces(move, pieces, out);
+  eol_ = line_eol;
+  std::string feed;
+  append_fixed(feed, modal_.feed, 4);
+  out += fmt::format("{}G94 F{}{}", slash, feed, line_eol);
+  report_.lines_out += 2;
 }
 
 bool Rewriter::turn(const Move& move, std::string& out) {
@@ -254,7 +277,7 @@ bool Rewriter::turn(const Move& move, std::string& out) {
   note_correction(move.m1, field_.standing_axes(end->m) - nominal_axes);
   std::vector<Stop> stops;
   if (feed) {
-    if (!turning_feed_allowed(move, start, *end) || !split_turn(move, start, *end, 0, stops)) return false;
+    if (!choose_turning_feed(move, start, *end) || !split_turn(move, start, *end, 0, stops)) return false;
   } else {
     stops.push_back(*end);
   }
@@ -263,16 +286,23 @@ bool Rewriter::turn(const Move& move, std::string& out) {
     pieces.push_back({pieces.empty() ? 0 : pieces.back().s1, stop.s, out_.frames.to_program(stop.m), stop.turns, stop.numbers});
     if (stop.held) ++report_.held_blocks;
   }
-  write_pieces(move, pieces, out);
+  if (feed && timed_feed_ > 0) {
+    write_timed(move, pieces, out);
+  } else {
+    write_pieces(move, pieces, out);
+  }
+  timed_feed_ = 0;
   if (number_ == job_.trace_line) {
     move_text_ = fmt::format("{} with rotary axes, in {} piece{}: rotary axes restore the tool's direction, linear ones its place{}",
                              feed ? "feed move" : "rapid", pieces.size(), pieces.size() == 1 ? "" : "s",
                              end->held ? "; a rotary axis is held near a singularity" : "");
   }
+  in_.m = move.m1;
+  in_.turns = move.turns1;
   known_ = move.known1;
   start_corrected_ = withheld_ == 0;
   stands_ = approach_;
-  return true;
+  return stand(in_.turns, out_.turns);
 }
 
 }  // namespace abbe

@@ -85,6 +85,7 @@ RewriteReport rewrite_cl_program(const Plan& plan, const ProgramJob& job, const 
   report.max_line = done.max_line;
   report.max_gradient = done.max_gradient;
   report.cycle_residual = done.cycle_residual;
+  report.held_blocks = done.singular;
   report.shortest_split = done.shortest_split;
   report.compensated_input = done.compensated_input;
   report.out_of_volume = done.out_of_volume;
@@ -117,6 +118,8 @@ VerifyReport verify_cl_program(const Plan& plan, const ProgramJob& job, const Ve
   report.original_identity = done.original_identity;
   report.before = summary_of(done.before);
   report.after = summary_of(done.after);
+  report.direction_before = done.before.max_angle;
+  report.direction_after = done.after.max_angle;
   report.quantisation = done.quantisation;
   report.allowed = done.allowed;
   report.feed_motions = done.feed_motions;

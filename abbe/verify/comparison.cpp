@@ -137,7 +137,13 @@ void Comparison::finish() {
 
 void Comparison::compare_event() {
   const Event& expected = original_.event();
-  const Item item = output_.next();
+  if (timed_ && expected.kind == EventKind::feed) return;  // held against the output's in end_timed()
+  Item item = output_.next();
+  if (item == Item::event && begins_timed(output_.event()) && !same_kind(expected, output_.event())) {
+    timed_ = true;
+    if (expected.kind == EventKind::feed) return;
+    item = output_.next();
+  }
   if (item != Item::event || !same_kind(expected, output_.event())) return explain_disorder(item, &expected);
   const Event& found = output_.event();
   ++report_.events;
@@ -153,6 +159,22 @@ void Comparison::compare_event() {
   }
   if (expected.kind == EventKind::m_code && (expected.code == 6 || expected.code == 61))
     context_changed_ = true;
+}
+
+/// G93 that the original does not have: the output states the time of the turning motion that follows.
+bool Comparison::begins_timed(const Event& found) const {
+  constexpr int inverse_time = 930;
+  return !timed_ && found.kind == EventKind::g_code && found.code == inverse_time;
+}
+
+/// Behind such a motion the output must restore feed mode and feed of the original.
+void Comparison::end_timed(const Motion& original) {
+  constexpr int per_minute = 940;
+  timed_ = false;
+  const bool mode = output_.next() == Item::event && output_.event().kind == EventKind::g_code && output_.event().code == per_minute;
+  const bool feed = mode && output_.next() == Item::event && output_.event().kind == EventKind::feed &&
+                    output_.event().values[0] == original.feed;
+  if (!feed) disagree_and_stop("V-FEED", fmt::format("G94 F{:g} is not restored behind a motion in inverse time", original.feed));
 }
 
 void Comparison::compare_frames() {
@@ -183,6 +205,8 @@ void Comparison::compare_motion() {
   const Motion& expected = original_.motion();
   if (context_changed_) update_context();
   if (stop_ || !stand(expected.turns_end, output_turns_)) return;
+  if (timed_ && !(expected.kind == MotionKind::line && expected.turns() && expected.feed_mode == 940))
+    return disagree_and_stop("V-FEED", "G93 in the output for a motion that needs no time of its own");
   if (expected.feeds() && !expected.machine_words) return expected.turns() ? cover_turning(expected) : cover(expected);
   if (!pull_motion()) return;
   const Motion& found = output_.motion();

@@ -78,6 +78,10 @@ class Comparison {
   TipAndAxis meant(const TurnCover& cover, double s);
   TipAndAxis done(const Motion& piece, double t);
   void conclude_turning(TurnCover& cover);
+  void check_share(TurnCover& cover, const Motion& piece, double share, bool whole);
+  void check_turning_feed(const TurnCover& cover);
+  bool begins_timed(const Event& found) const;
+  void end_timed(const Motion& original);
   bool stand(const Turns& original, const Turns& output);
   bool check_turns(const Motion& original, const Motion& output);
   void check_direction(const Motion& original, double after, double before);
@@ -108,6 +112,7 @@ class Comparison {
     Approach approach{};
   } reached_;             ///< end of the output's last motion
   double travelled_ = 0;  ///< feed path so far, mm
+  bool timed_ = false;    ///< the output has switched to G93 for a motion that the original feeds in G94
   Turns output_turns_{};  ///< of the output after its last motion
   double standing_direction_ = 0;  ///< direction error, before compensation, where the rotary axes last turned, rad
   DeviationTally before_, after_;

@@ -114,6 +114,10 @@ void Comparison::cover_turning(const Motion& original) {
   ++report_.feed_motions;
   while (!stop_) {
     const Item item = output_.next();
+    if (item == Item::event && cover.pieces == 0 && original.feed_mode == 940 && begins_timed(output_.event())) {
+      timed_ = true;
+      continue;
+    }
     const bool goes_on = item == Item::motion && output_.motion().kind == MotionKind::line && !output_.motion().machine_words;
     if (!goes_on) {
       if (item == Item::refused) return refused(output_);
@@ -155,12 +159,7 @@ bool Comparison::turn_piece(TurnCover& cover, const Motion& piece) {
   cover.shortfall = (1 - cover.s) * (still ? 0 : cover.speed);
   const bool complete = still ? std::abs(turn_left) * std::sqrt(square) < std::min(kMaxTurn, kBehind * std::sqrt(square))
                               : cover.shortfall <= cover.allowed;
-  if (original.feed_mode == 930) {
-    const double time = original.feed / piece.feed, share = std::clamp(cover.s, 0.0, 1.0) - s_before;
-    cover.time += time;
-    if (!(complete && cover.pieces == 1) && !(std::abs(time - share) <= kShareTolerance))
-      disagree("V-FEED", fmt::format("F{:g} gives this piece {:.2f} % of the time for {:.2f} % of the path", piece.feed, 100 * time, 100 * share));
-  }
+  check_share(cover, piece, std::clamp(cover.s, 0.0, 1.0) - s_before, complete && cover.pieces == 1);
   if (cover.worst >= job_.max_correction) {
     stop_ = true;  // this piece does not belong to the original
     return true;
@@ -216,17 +215,7 @@ void Comparison::turn_sample(TurnCover& cover, const Motion& piece, double t) {
 void Comparison::conclude_turning(TurnCover& cover) {
   reached_.valid = false;
   standing_direction_ = cover.askew;
-  const Motion& original = cover.motion;
-  if (original.feed_mode == 930) {
-    if (disagreements_ == 0 && !(std::abs(cover.time - 1) <= kTimeTolerance))
-      disagree("V-FEED", fmt::format("the F words give {:.3f} % of the time of the original", 100 * cover.time));
-  } else {
-    // F is of the linear axes where they move, else of the rotary ones.
-    const double way = cover.way.norm(), now = (cover.end - cover.start).norm();
-    const bool same = way > 0 ? std::abs(now - way) <= kFeedChange * way * (1 + kRounding) + cover.excess : now <= quantum();
-    if (!same)
-      disagree("V-FEED", fmt::format("the linear axes move {:.4f} mm instead of {:.4f} mm while others turn: F means another speed", now, way));
-  }
+  check_turning_feed(cover);
   if (cover.worst > 0)
     disagree("V-PATH", fmt::format("the path is {:.3f} um off at {:.1f} % of the motion, {:.3f} um are allowed", cover.worst / um,
                                    100 * cover.worst_s, cover.allowed_at(cover.worst_s) / um));
@@ -234,6 +223,39 @@ void Comparison::conclude_turning(TurnCover& cover) {
     disagree("V-PATH", fmt::format("the output goes {:.3f} um backwards or beyond the end of this motion", cover.worst_back / um));
   if (cover.outside) disagree("V-VOL", "this motion leaves the volume in which the errors are known");
   if (cover.beyond_travel >= 0) disagree("V-TRAVEL", travel_message(cover.beyond_travel, cover.beyond_at));
+}
+
+/// In inverse time each piece takes its share of the original's time.
+void Comparison::check_share(TurnCover& cover, const Motion& piece, double share, bool whole) {
+  if (piece.feed_mode != 930) return;
+  const Motion& original = cover.motion;
+  double per_minute = original.feed;
+  if (original.feed_mode == 940) {
+    // F is of the linear axes where they move, else of the rotary ones:  1 / T = F / distance
+    double angle = 0;
+    for (std::size_t k = 0; k < 3; ++k) angle = std::hypot(angle, (original.turns_end[k] - original.turns_start[k]) / deg);
+    const double way = cover.way.norm() / (original_.inch() ? inch : mm);
+    per_minute = original.feed / (way > 0 ? way : angle);
+  }
+  const double time = per_minute / piece.feed;
+  cover.time += time;
+  if (!whole && !(std::abs(time - share) <= kShareTolerance))
+    disagree("V-FEED", fmt::format("F{:g} gives this piece {:.2f} % of the time for {:.2f} % of the path", piece.feed, 100 * time, 100 * share));
+}
+
+void Comparison::check_turning_feed(const TurnCover& cover) {
+  const Motion& original = cover.motion;
+  if (original.feed_mode == 930 || timed_) {
+    if (disagreements_ == 0 && !(std::abs(cover.time - 1) <= kTimeTolerance))
+      disagree("V-FEED", fmt::format("the F words give {:.3f} % of the time of the original", 100 * cover.time));
+    if (timed_ && !stop_) end_timed(original);
+    return;
+  }
+  // F is of the linear axes where they move, else of the rotary ones.
+  const double way = cover.way.norm(), now = (cover.end - cover.start).norm();
+  const bool same = way > 0 ? std::abs(now - way) <= kFeedChange * way * (1 + kRounding) + cover.excess : now <= quantum();
+  if (!same)
+    disagree("V-FEED", fmt::format("the linear axes move {:.4f} mm instead of {:.4f} mm while others turn: F means another speed", now, way));
 }
 
 /// Rotary axes turn in the output if and only if they do in the original, to within what a correction may be.

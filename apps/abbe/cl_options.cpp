@@ -71,6 +71,9 @@ ClSetting read_cl_setting(const ClArguments& a, const Machine& machine, const Co
     }
   }
   conventions.tool_change_keeps_place = setup.tool_change_keeps_place;
+  if (setup.work_offsets[0] && setup.work_offsets[0]->turns != std::array<double, 3>{})
+    findings.push_back(option_error("--offset", "CL data know no offset of rotary axes",
+                                    "state where the part stands with the rotary axes at zero"));
   setting.start = read_near(machine, a.near, findings);
   return setting;
 }
