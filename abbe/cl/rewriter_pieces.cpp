@@ -260,8 +260,9 @@ std::string Rewriter::circle_bytes(const ArcPiece& piece, const Node& start, boo
   for (std::size_t k = 0; k < 3; ++k) edit.set(k, numbers[static_cast<Eigen::Index>(k)], decimals);
   if (record.leading_numbers() >= 7) {
     const Vec3 out = start.written.tip - piece.centre;
-    const double radius = (out - n * n.dot(out)).norm() / frame.unit;
-    edit.set(6, std::copysign(radius, record.items[6].value), decimals);
+    // the radius stated, and what it changed by: its digits are the file's
+    const double grown = ((out - n * n.dot(out)).norm() - motion.arc.start_radius) / frame.unit;
+    edit.set(6, record.items[6].value + std::copysign(grown, grown * record.items[6].value), decimals);
   }
   return first ? edit.bytes() : without_remark(edit.bytes());
 }

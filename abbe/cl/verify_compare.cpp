@@ -288,8 +288,9 @@ bool Comparison::direction_agrees(const Step& original, const Step& piece, const
     disagree("V-AXIS", original, &piece, "the tool axis changed, and may not");
     return false;
   }
-  // A record without an axis takes the one before, which was corrected for another place.
-  const double allowed = (original.axis_stated && !original.circle ? before : worst_turn_) + kAxisSlack;
+  // A record without an axis takes the one before, which was corrected for another place: both errors may add.
+  const bool own = original.axis_stated && !original.circle;
+  const double allowed = before + (own ? 0 : worst_turn_) + kAxisSlack;
   if (after <= allowed) return true;
   disagree("V-AXIS", original, &piece,
            fmt::format("the tool axis is {:.1f} urad off, {:.1f} urad without compensation", after / urad,
