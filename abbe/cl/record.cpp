@@ -101,6 +101,9 @@ RecordReader::State RecordReader::add(std::string_view line, std::uint64_t numbe
     // A text record ends with its line: '$' is text in it.
     read_major();
     if (record_.is_text || record_.is_remark()) return parse();
+    if (data_[record_.major_begin] == '$')
+      return fail("E-CONTINUE", record_.major_begin, "'$' with nothing before it",
+                  "whether the next line is a record of its own depends on the reader", "remove the '$'");
   }
   const std::size_t dollar = data_.find('$', at);
   open_ = dollar != std::string::npos && (dollar + 1 >= data_.size() || data_[dollar + 1] != '$');
