@@ -196,11 +196,13 @@ void Rewriter::write_axis(const Record& record, NumberEdit& edit, Node& node) co
   Vec3 seen = stated;
   const bool on_arc = motion.kind == MotionKind::arc && last_;
   if (on_arc || motion.axis_free || node.s != 1) {
-    const Vec3 axis = on_arc             ? last_->written.axis
-                      : motion.axis_free ? field_.corrected_axis(node.place)
-                                         : node.place.pose.axis;
+    // An arc keeps the axis that is written at its start, and its own digits of it.
+    const Vec3 turned = on_arc             ? Vec3(last_->written.axis - last_->place.pose.axis)
+                        : motion.axis_free ? Vec3(field_.corrected_axis(node.place) - node.place.pose.axis)
+                                           : Vec3(Vec3::Zero());
     // as long as the record's own vector: its digits are not those of a unit vector
-    const Vec3 numbers = stated.norm() * (frame.rotation.transpose() * axis);
+    const Mat3 back = stated.norm() * frame.rotation.transpose();
+    const Vec3 numbers = (node.s == 1 ? stated : Vec3(back * node.place.pose.axis)) + back * turned;
     for (std::size_t k = 0; k < 3; ++k)
       seen[static_cast<Eigen::Index>(k)] =
           edit.set(3 + k, numbers[static_cast<Eigen::Index>(k)], digits_.axis);

@@ -16,7 +16,7 @@ namespace {
 constexpr double kSpacing = 5;  // mm between looks along a line
 constexpr double kTurnSpacing = 2 * deg;
 constexpr double kArcSpacing = 15 * deg;
-constexpr int kMostSamples = 64;
+constexpr int kMostSamples = 128;
 constexpr int kDeepest = 10;          // 1024 pieces
 constexpr double kLeastPiece = 0.05;  // mm, or
 constexpr double kLeastTurn = 0.05 * deg;
@@ -55,12 +55,18 @@ bool Rewriter::too_bent(const Record& record, double left, const char* fix) {
 
 int Rewriter::samples(const Node& a, const Node& b) const {
   const Motion& motion = interpreter_.motion();
-  const double part = b.s - a.s;
-  const double spacings = motion.kind == MotionKind::arc
-                              ? motion.arc.sweep * part / kArcSpacing
-                              : length_of(motion) * part / kSpacing + turn_of(motion) * part / kTurnSpacing;
-  return std::clamp(static_cast<int>(std::ceil(std::min(spacings, 1e3))),
-                    motion.kind == MotionKind::arc ? 4 : 2, kMostSamples);
+  // Near the singularity the rotary axes turn farther than the tool.
+  double turn = turn_of(motion) * (b.s - a.s);
+  for (int i = 0; i < machine_.axis_count(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (machine_.axis(i).type == AxisType::rotary)
+      turn = std::max(turn, std::abs(b.place.q[k] - a.place.q[k]));
+  }
+  const bool arc = motion.kind == MotionKind::arc;
+  const double way =
+      arc ? motion.arc.sweep * (b.s - a.s) / kArcSpacing : length_of(motion) * (b.s - a.s) / kSpacing;
+  return std::clamp(static_cast<int>(std::ceil(std::min(way + turn / kTurnSpacing, 1e3))), arc ? 4 : 2,
+                    kMostSamples);
 }
 
 /// The largest distance between the path that the file `written` makes the machine cut, and the original.

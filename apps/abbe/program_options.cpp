@@ -117,6 +117,7 @@ std::string today() {
 
 void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) {
   add_common_options(verb, a.common, session);
+  allow_quick_machine(verb, a.common);
   verb.add_option("--dialect", a.dialect, "control the program is for")->check(CLI::IsMember({"linuxcnc", "cl", "apt", "clsf"}))->capture_default_str();
   verb.add_option("--offset", a.offsets, "work offset in machine coordinates, e.g. G54=X-120.5,Y40,Z-210[,A0,C90][,R10] (repeatable)");
   verb.add_option("--var", a.parameters, "LinuxCNC parameter file: work offsets, in mm");
@@ -133,6 +134,20 @@ void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) 
   add_cl_options(verb, a.cl);
   verb.add_option("--report", a.report, "write the report as JSON");
   verb.add_option("--figure", a.figure, "draw the deviation before and after (SVG)");
+}
+
+bool settle_files(CommonArguments& arguments, const std::vector<std::string*>& files, Session& session) {
+  if (arguments.quick.given() && files.back()->empty()) {
+    for (std::size_t i = files.size(); i-- > 1;) *files[i] = std::move(*files[i - 1]);
+    *files.front() = std::move(arguments.machine);
+    arguments.machine.clear();
+  }
+  if (!files.back()->empty()) return true;
+  Diagnostic missing = option_error("abbe", arguments.machine.empty() ? "no machine and no program is given" : "a program is missing",
+                                    "abbe VERB MACHINE PROGRAM; with --skew, --scale or --pitch no MACHINE");
+  missing.code = "E-USAGE";
+  session.report(missing);
+  return false;
 }
 
 std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, const std::string& program, Session& session) {

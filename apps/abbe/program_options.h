@@ -27,6 +27,10 @@ struct ProgramArguments {
 
 void add_program_options(CLI::App& verb, ProgramArguments& arguments, Session& session);
 
+/// With --skew, --scale or --pitch the first file is not a machine: the files move up by one. False after
+/// reporting that one is missing. `files`: where they were put, in the order of the command line.
+[[nodiscard]] bool settle_files(CommonArguments& arguments, const std::vector<std::string*>& files, Session& session);
+
 /// A machine, its plan, and what the control knows; nullopt after reporting all mistakes.
 struct ProgramSetting {
   Setting setting;
