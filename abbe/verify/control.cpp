@@ -115,6 +115,7 @@ bool Control::execute_settled() {
   // Most blocks: axis words for the line or rapid in force, and nothing else.
   const bool words_of_axes = block.words != 0 && (block.words & ~kAxisLetters) == 0;
   if (words_of_axes && (block.g_groups | block.m_groups) == 0 && (block.comment_count | block.extra_count) == 0 &&
+      block.tcp_code < 0 &&
       (mode_ == 0 || mode_ == 10)) {
     motion_code_ = mode_;
     return move();
