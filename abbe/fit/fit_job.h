@@ -50,6 +50,7 @@ struct FitDiagonal {
 struct FitPoints {
   std::string file;
   bool fixed = false;
+  bool planned = false;  ///< not measured yet: `measured` says nothing
   FitInstrument instrument;
   std::vector<std::array<double, kMaxAxes>> poses;
   std::vector<Vec3> measured;  ///< mm; empty for balls
@@ -118,9 +119,10 @@ struct MeasurementPlan {
   bool bidirectional = true;
 };
 
-/// The same job before it was measured: every run has targets spaced evenly over the travel of its axis (every diagonal
-/// over its length, points a grid over all travels) and readings of 0. Its measurement files are not opened.
-/// errors   those of read_fit_job, and E-JOB-RANGE: a travel is not known; E-JOB-KIND: balls cannot be planned
+/// The same job before it was measured: every run has targets spaced evenly over the travel of its axis
+/// (every diagonal over its length, points a grid over all travels) and readings of 0. Its measurement files
+/// are not opened. errors   those of read_fit_job, and E-JOB-RANGE: a travel is not known; E-JOB-KIND: balls
+/// cannot be planned
 [[nodiscard]] Parsed<FitJob> plan_fit_job(const MachineText& job, const FileFetcher& fetch,
                                           const MeasurementPlan& plan);
 

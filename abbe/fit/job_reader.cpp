@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <utility>
 
+#include "abbe/fit/choose_form.h"
+#include "abbe/fit/observations.h"
 #include "abbe/machine/toml_values.h"
 
 namespace abbe {
@@ -128,7 +130,74 @@ std::optional<std::string> JobReader::fetch(const TomlNode& entry, std::string& 
   return bytes;
 }
 
-std::optional<RunTable> JobReader::runs_of_entry(const TomlNode& entry, std::string& path) {
+bool JobReader::plan_file(const TomlNode& entry, std::string& path) {
+  const auto name = text_of(entry, "file", true);
+  if (!name) return false;
+  path = (std::filesystem::path(folder_) / *name).string();
+  if (!contents_.insert(path).second)
+    findings_.error("E-JOB-TWICE", entry.find("file")->value.mark, in_quotes(path) + " is named twice",
+                    "one file cannot be written twice", "name each file once");
+  return true;
+}
+
+JobReader::Course JobReader::course_of(const ErrorName& error) const {
+  Course course;
+  const int axis = job_.machine.find_axis(error.axis);
+  course.readings = error.is_rotation() ? Quantity::angle : Quantity::length;
+  if (axis < 0) return course;
+  course.ends = job_.machine.axis(axis).range;
+  if (job_.machine.axis(axis).type == AxisType::rotary) course.targets = Quantity::angle;
+  return course;
+}
+
+std::optional<RunTable> JobReader::planned_runs(const TomlNode& entry, std::string& path,
+                                                const Course& course) {
+  if (!plan_file(entry, path)) return std::nullopt;
+  if (!course.ends) {
+    findings_.error("E-JOB-RANGE", entry.mark, "the travel of the axis is not known",
+                    "targets are spaced over it", "state range in the machine file");
+    return std::nullopt;
+  }
+  RunTable table;
+  table.file = path;
+  table.targets = even_nodes((*course.ends)[0], (*course.ends)[1], static_cast<std::size_t>(plan_->targets));
+  table.target_quantity = course.targets;
+  table.quantity = course.readings;
+  table.forward = Eigen::MatrixXd::Zero(plan_->targets, plan_->runs);
+  table.backward = Eigen::MatrixXd::Zero(plan_->targets, plan_->bidirectional ? plan_->runs : 0);
+  return table;
+}
+
+/// A grid over the travels of all axes, not more than kMost points to each.
+void JobReader::plan_points(const TomlNode& entry, FitPoints points) {
+  constexpr int kMost = 7;
+  if (!plan_file(entry, points.file)) return;
+  points.planned = true;
+  points.poses = {{}};
+  for (int i = 0; i < job_.machine.axis_count(); ++i) {
+    const auto& range = job_.machine.axis(i).range;
+    if (!range || job_.machine.axis_count() > 3) {
+      findings_.error("E-JOB-RANGE", entry.mark, "a grid needs three axes with known travels at most", "",
+                      "state range in the machine file");
+      return;
+    }
+    const auto nodes =
+        even_nodes((*range)[0], (*range)[1], static_cast<std::size_t>(std::min(plan_->targets, kMost)));
+    std::vector<Pose> finer;
+    for (const Pose& pose : points.poses)
+      for (const double node : nodes) {
+        finer.push_back(pose);
+        finer.back()[static_cast<std::size_t>(i)] = node;
+      }
+    points.poses = std::move(finer);
+  }
+  points.measured.assign(points.poses.size(), Vec3::Zero());
+  job_.points.push_back(std::move(points));
+}
+
+std::optional<RunTable> JobReader::runs_of_entry(const TomlNode& entry, std::string& path,
+                                                 const Course& course) {
+  if (plan_) return planned_runs(entry, path, course);
   const std::optional<std::string> bytes = fetch(entry, path);
   if (!bytes) return std::nullopt;
   const MeasuredUnit* unit = nullptr;
@@ -207,7 +276,7 @@ void JobReader::read_run(const TomlNode& entry) {
   const auto error = error_of(entry, "error");
   const auto at = pose_of(entry, "at");
   const auto instrument = instrument_of(entry, error && error->is_rotation());
-  const auto runs = runs_of_entry(entry, run.file);
+  const auto runs = runs_of_entry(entry, run.file, error ? course_of(*error) : Course{});
   run.thermal = thermal_of(entry);
   run.square = text_of(entry, "square", false).value_or("");
   if (const TomlEntry* found = entry.find("reversed"))
@@ -238,8 +307,14 @@ void JobReader::read_diagonal(const TomlNode& entry) {
   FitDiagonal diagonal;
   const auto from = pose_of(entry, "from"), to = pose_of(entry, "to");
   const auto instrument = instrument_of(entry, false);
-  const auto runs = runs_of_entry(entry, diagonal.file);
-  if (!from || !to || !instrument || !runs) return;
+  if (!from || !to || !instrument) return;
+  Vec3 way = Vec3::Zero();
+  for (int i = 0; i < job_.machine.axis_count(); ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    way += ((*to)[k] - (*from)[k]) * relative_direction(job_.machine.axis(i));
+  }
+  const auto runs = runs_of_entry(entry, diagonal.file, {std::array{0.0, way.norm()}});
+  if (!runs) return;
   diagonal.from = *from;
   diagonal.to = *to;
   diagonal.instrument = *instrument;
@@ -302,11 +377,18 @@ void JobReader::read_points(const TomlNode& entry, bool balls) {
                     balls ? "[[ball]]" : "[[points]]", findings_);
   FitPoints points;
   const auto instrument = instrument_of(entry, false);
-  const std::optional<std::string> bytes = fetch(entry, points.file);
   if (const TomlEntry* found = entry.find("frame"))
     points.fixed = read_choice(found->value, {"free", "fixed"}, "frame", findings_).value_or(0) == 1;
-  if (!instrument || !bytes) return;
+  if (!instrument) return;
   points.instrument = *instrument;
+  if (plan_ && !balls) return plan_points(entry, std::move(points));
+  if (plan_) {
+    findings_.error("E-JOB-KIND", entry.mark, "touching balls cannot be planned",
+                    "where they lie is not stated", "leave the entry out");
+    return;
+  }
+  const std::optional<std::string> bytes = fetch(entry, points.file);
+  if (!bytes) return;
   const Parsed<MeasuredTable> table = read_measured_table(points.file, *bytes);
   out_.insert(out_.end(), table.diagnostics.begin(), table.diagnostics.end());
   if (table.value) take_points(entry, *table.value, balls, std::move(points));

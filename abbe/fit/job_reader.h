@@ -15,9 +15,15 @@ namespace abbe {
 /// What the readers of the entries of a job share: the machine, the units, the files.
 class JobReader {
  public:
-  JobReader(FitJob& job, FileUnits units, std::string folder, const FileFetcher& fetch, Findings& findings,
-            Diagnostics& out)
-      : job_(job), units_(units), folder_(std::move(folder)), fetch_(fetch), findings_(findings), out_(out) {}
+  JobReader(FitJob& job, FileUnits units, std::string folder, const FileFetcher& fetch,
+            const std::optional<MeasurementPlan>& plan, Findings& findings, Diagnostics& out)
+      : job_(job),
+        units_(units),
+        folder_(std::move(folder)),
+        fetch_(fetch),
+        plan_(plan),
+        findings_(findings),
+        out_(out) {}
 
   void read_run(const TomlNode& entry);
   void read_diagonal(const TomlNode& entry);
@@ -39,7 +45,16 @@ class JobReader {
   std::optional<Pose> pose_of(const TomlNode& entry, const char* key);
   std::optional<FitInstrument> instrument_of(const TomlNode& entry, bool rotation);
   std::optional<std::string> fetch(const TomlNode& entry, std::string& path);
-  std::optional<RunTable> runs_of_entry(const TomlNode& entry, std::string& path);
+  /// What a course would be measured over if it is only planned.
+  struct Course {
+    std::optional<std::array<double, 2>> ends;  ///< of the targets; none: not known
+    Quantity targets = Quantity::length, readings = Quantity::length;
+  };
+  std::optional<RunTable> runs_of_entry(const TomlNode& entry, std::string& path, const Course& course);
+  std::optional<RunTable> planned_runs(const TomlNode& entry, std::string& path, const Course& course);
+  void plan_points(const TomlNode& entry, FitPoints points);
+  bool plan_file(const TomlNode& entry, std::string& path);
+  [[nodiscard]] Course course_of(const ErrorName& error) const;
   double thermal_of(const TomlNode& entry);
   bool kind_fits(const TomlNode& entry, const FitRun& run);
   void warn_outside(const TomlNode& entry, const FitRun& run);
@@ -50,6 +65,7 @@ class JobReader {
   FileUnits units_;
   std::string folder_;
   const FileFetcher& fetch_;
+  std::optional<MeasurementPlan> plan_;  ///< the measurements do not exist yet
   Findings& findings_;
   Diagnostics& out_;
   std::set<std::string> contents_;  ///< of the measurements read, to notice copies

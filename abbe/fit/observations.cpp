@@ -252,6 +252,7 @@ void Equations::add_points(const FitPoints& points) {
     nominal.col(static_cast<Eigen::Index>(i)) = nominal_tip(plan_, all_.poses[pose]);
     measured.col(static_cast<Eigen::Index>(i)) = points.measured[i];
   }
+  if (points.planned) measured = nominal;
   if (!points.fixed && count >= 3) {
     // The frame of the instrument may lie anywhere: first the nearest rigid motion, then small ones as
     // unknowns.

@@ -26,8 +26,8 @@ const char* why_of(std::string_view code) {
   if (code == "V-FRAME") return "every later position would be off by the difference";
   if (code == "V-LIMIT")
     return "a correction this large is more likely a mistake than an error of the machine";
-  if (code == "V-AXIS") return "a rotary axis that turns otherwise moves the tool through the part";
-  if (code == "V-DIRECTION") return "the tool would stand more askew than without compensation";
+  if (code == "V-TURN") return "a rotary axis that turns otherwise moves the tool through the part";
+  if (code == "V-AXIS") return "the tool would stand more askew than without compensation";
   if (code == "V-VOL") return "the errors are not known there, so the correction is a guess";
   if (code == "V-TRAVEL") return "the control would stop there";
   return "the output must do everything that the original does, in the same order";
@@ -337,7 +337,7 @@ bool Comparison::stand(const Turns& original, const Turns& output) {
   if (stance == model_.stance()) return true;
   reached_.valid = false;
   if (model_.stand(stance)) return true;
-  disagree_and_stop("V-AXIS", "with the rotary axes at these positions the linear axes cannot follow the tip");
+  disagree_and_stop("V-TURN", "with the rotary axes at these positions the linear axes cannot follow the tip");
   return false;
 }
 

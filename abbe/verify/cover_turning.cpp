@@ -285,7 +285,7 @@ bool Comparison::check_turns(const Motion& original, const Motion& output) {
     const bool still = way == 0 && (original.named_turns >> k & 1) == 0;
     const bool uncommanded = original.end.known != kAllAxes;
     if ((still && its_way != 0) || (!uncommanded && !(std::abs(off) <= kMaxTurn + kTurnDigit))) {
-      disagree_and_stop("V-AXIS", fmt::format("{} turns to {:.4f} deg here, the original to {:.4f} deg", "ABC"[k],
+      disagree_and_stop("V-TURN", fmt::format("{} turns to {:.4f} deg here, the original to {:.4f} deg", "ABC"[k],
                                               output.turns_end[k] / deg, original.turns_end[k] / deg));
       return false;
     }
@@ -313,7 +313,7 @@ void Comparison::check_direction(const Motion& original, double after, double be
 }
 
 void Comparison::disagree_direction(double after, double before) {
-  disagree("V-DIRECTION", fmt::format("the tool axis is {:.1f} urad askew, {:.1f} urad without compensation", after / urad, before / urad));
+  disagree("V-AXIS", fmt::format("the tool axis is {:.1f} urad askew, {:.1f} urad without compensation", after / urad, before / urad));
 }
 
 }  // namespace abbe::verifying

@@ -104,11 +104,7 @@ double second_order(const Machine& machine, const Observations& observations) {
 std::optional<FitAnswer> answer_of(const std::string& path, Session& session) {
   const std::optional<std::string> text = read_input(path, session);
   if (!text) return std::nullopt;
-  Parsed<FitJob> job = read_fit_job({path, *text}, [](const std::string& file) -> std::optional<std::string> {
-    FileResult<std::string> bytes = read_file(file);
-    if (auto* found = std::get_if<std::string>(&bytes)) return std::move(*found);
-    return std::nullopt;
-  });
+  Parsed<FitJob> job = read_fit_job({path, *text}, fetch_file);
   session.report(job.diagnostics);
   if (!job.value) return std::nullopt;
   Parsed<Observations> observations = observations_of(*job.value);
