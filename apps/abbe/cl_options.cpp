@@ -19,7 +19,7 @@ std::string changed(std::string text, int (*change)(int)) {
 
 }  // namespace
 
-void add_cl_options(CLI::App& verb, ClArguments& a) {
+void add_cl_options(CLI::App& verb, ClArguments& a, bool near) {
   verb.add_option("--units", a.units, "CL data without UNITS: mm or inch")
       ->check(CLI::IsMember({"mm", "inch"}));
   verb.add_option("--tool-axis", a.tool_axis,
@@ -34,6 +34,7 @@ void add_cl_options(CLI::App& verb, ClArguments& a) {
           "--pass-record", a.pass_records,
           "CL data: copy records of this major word; it must neither move nor change a frame (repeatable)")
       ->allow_extra_args(false);
+  if (!near) return;
   verb.add_option("--near", a.near,
                   "CL data: where the rotary axes stand, so that the nearest solution is taken")
       ->type_name("AXIS=VALUE,..")
