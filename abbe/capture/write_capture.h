@@ -38,7 +38,7 @@ struct CaptureColumn {
 /// 0x1C12/0x1C13 and 0x16xx/0x1Axx), then per cycle one LRW datagram with the process image and one FRMW of
 /// the clock. Objects without a column stay 0. raw = round(value / scale), as the drive's encoder would.
 ///
-/// map      without mistake (map_mistake), one logical range of at most 1400 bytes with its gaps
+/// map      without mistake (map_mistake), at most 1400 bytes of process data in one frame
 /// columns  named after objects of the map, all of one length, values finite and inside the range of the
 /// object out      a new spool file; the caller publishes it errors   E-SIMULATE what does not fit, E-FILE
 /// the disk; the spool file is then to be dropped laws     read_capture gives the columns back to half a

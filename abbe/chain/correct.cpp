@@ -56,8 +56,9 @@ class Corrector {
     nominal.tip = query_.tool.tip;
     columns_.v[0] = query_.tool.axis;
     walk_columns(plan_, nominal, columns_);
-    target_axis_ = columns_.v[0];
-    target_ = columns_.p + options_.target_shift;
+    const TipAndAxis* wanted = options_.target;
+    target_axis_ = wanted != nullptr ? wanted->tool_axis : columns_.v[0];
+    target_ = (wanted != nullptr ? wanted->position : columns_.p) + options_.target_shift;
     prepare(columns_);
     set_limits();
 

@@ -33,6 +33,8 @@ struct CorrectOptions {
   /// Redundant free axes only: sum (weight_i dq_i)^2 (mm, rad) is minimised; 0 stands for 1.
   std::array<double, kMaxAxes> weights{};
   double max_rotary_correction = 0.5 * deg;  ///< beyond it the axis is held at its command
+  /// The pose that is wanted, workpiece axes; null: the nominal pose of the command. The caller keeps it.
+  const TipAndAxis* target = nullptr;
   Vec3 target_shift = Vec3::Zero();  ///< workpiece axes, mm: the tip shall reach nominal + shift (datum)
   /// The iteration ends when the next step is bound to be smaller, by the measured rate of contraction
   /// (by 1/16 after the first step). With a close start and a loose tolerance that is one evaluation.

@@ -1,16 +1,24 @@
 #include "abbe/compensate/correction_field.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace abbe {
 namespace {
 
-// The iteration along a path: see CorrectOptions::position_tolerance for when it ends.
+// The iteration along a path ends when the next step is bound to be smaller than kTolerance, by the measured rate
+// of contraction (kFirstRate after the first step). A program is written with 0.1 um: what a further step would
+// change stays well below its last digit.
+constexpr double kTolerance = 20 * nm;
 constexpr double kFirstRate = 1.0 / 16;
-constexpr int kMaxSteps = 6;
+constexpr int kMaxSteps = 12;
+constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kTurnTolerance = 1e-9;  // rad, of a rotary correction: far below a last digit
 
 // Looked-at travel of an axis without a stated range, mm.
 constexpr double kOpenTravel = 3000;
@@ -18,8 +26,6 @@ constexpr double kOpenTravel = 3000;
 constexpr std::size_t kMaxKnots = 20000;
 // A command may leave its range by the rounding of its digits.
 constexpr double kTravelSlack = 1e-6;
-// Least determinant of the three axis directions.
-constexpr double kIndependent = 1e-3;
 std::vector<double> knots_of(const Machine& machine, int axis) {
   const double unit = machine.axis_unit(axis);
   const auto& range = machine.axis(axis).range;
@@ -41,163 +47,237 @@ std::vector<double> knots_of(const Machine& machine, int axis) {
 
 }  // namespace
 
-std::optional<ProgramAxes> program_axes(const Machine& machine, char& missing) {
-  ProgramAxes axes;
-  for (int k = 0; k < 3; ++k) {
-    const char letter = "XYZ"[k];
-    int found = -1;
-    for (int i = 0; i < machine.axis_count(); ++i) {
-      const Body& body = machine.axis(i);
-      if (body.type == AxisType::linear && body.address.size() == 1 && body.address[0] == letter) found = i;
-    }
-    if (found < 0) {
-      missing = letter;
-      return std::nullopt;
-    }
-    axes.index[static_cast<std::size_t>(k)] = found;
-  }
-  return axes;
-}
-
-CorrectionField::CorrectionField(const Plan& plan, const ProgramAxes& axes, bool probed)
-    : plan_(plan), actual_tip_(plan), axes_(axes), probed_(probed), tool_(tool_of(plan.machine())) {
+CorrectionField::CorrectionField(const Plan& plan, const AddressedAxes& axes, bool probed)
+    : plan_(plan), actual_tip_(plan), axes_(axes), control_(plan.machine(), axes), probed_(probed), tool_(tool_of(plan.machine())) {
   const Machine& machine = plan.machine();
-  AxisSet others = 0;
-  for (int i = 0; i < machine.axis_count(); ++i) others |= AxisSet{1} << i;
-  for (const int i : axes.index) others &= ~(AxisSet{1} << i);
-  for (unsigned withheld = 0; withheld < 8; ++withheld) {
-    AxisSet locked = others;
-    for (int k = 0; k < 3; ++k) {
-      if (withheld & (1u << k)) locked |= AxisSet{1} << axes.index[static_cast<std::size_t>(k)];
-    }
-    free_[withheld] = free_axes(machine, locked).value_or(0);
-  }
-  for (int k = 0; k < 3; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    constexpr double infinity = std::numeric_limits<double>::infinity();
-    range_[i] = machine.axis(axes.index[i]).range;
-    travel_[i] = range_[i].value_or(std::array<double, 2>{-infinity, infinity});
-    knots_[i] = knots_of(machine, axes.index[i]);
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  constexpr std::array<double, 2> open{-infinity, infinity};
+  for (std::size_t k = 0; k < 3; ++k) {
+    travel_[k] = machine.axis(axes.linear[k]).range.value_or(open);
+    knots_[k] = knots_of(machine, axes.linear[k]);
+    turn_travel_[k] = open;
+    const int rotary = axes.rotary[k];
+    if (rotary < 0) continue;
+    turn_travel_[k] = machine.axis(rotary).range.value_or(open);
+    const auto i = static_cast<std::size_t>(rotary);
+    modulo_[k] = i < machine.control.axes.size() && machine.control.axes[i].turning != Turning::linear;
   }
   for (const auto& error : machine.errors) directional_ = directional_ || error.function.is_directional();
-  // A program is written with 0.1 um: what a further step would change stays well below its last digit.
-  options_.position_tolerance = 20 * nm;
-  refresh_datum();
+  turn_options_.position_tolerance = kTolerance;
+  turn_options_.rotation_tolerance = kTurnTolerance;
+  refresh();
 }
 
-Query CorrectionField::query(const Vec3& m) const {
+/// A rotary position as the model knows it: an axis that counts modulo a turn stays within one.
+double CorrectionField::model_turn(std::size_t k, double turn) const {
+  return modulo_[k] ? turn - kTurn * std::floor(turn / kTurn) : turn;
+}
+
+Query CorrectionField::query(const Vec3& axes, const Turns& turns) const {
   Query query;
   query.tool = tool_;
-  for (std::size_t k = 0; k < 3; ++k) query.q[static_cast<std::size_t>(axes_.index[k])] = m[static_cast<Eigen::Index>(k)];
+  for (std::size_t k = 0; k < 3; ++k) {
+    query.q[static_cast<std::size_t>(axes_.linear[k])] = axes[static_cast<Eigen::Index>(k)];
+    if (axes_.rotary[k] >= 0) query.q[static_cast<std::size_t>(axes_.rotary[k])] = model_turn(k, turns[k]);
+  }
   return query;
 }
 
 void CorrectionField::set_tool(const Tool& tool) {
   tool_ = tool;
-  refresh_datum();
+  refresh();
 }
 
 void CorrectionField::set_datum_point(const Vec3& m0) {
   datum_point_ = m0;
-  refresh_datum();
+  refresh();
 }
 
-void CorrectionField::refresh_datum() {
-  options_.target_shift = Vec3::Zero();
+void CorrectionField::set_control_length(double length) {
+  control_length_ = length;
+  refresh();
+}
+
+bool CorrectionField::set_stance(const Stance& stance) {
+  const bool same = stance.tcp == stance_.tcp && stance.commanded == stance_.commanded && stance.standing == stance_.standing;
+  if (same) return independent_;
+  stance_ = stance;
+  refresh();
+  return independent_;
+}
+
+void CorrectionField::refresh() {
   last_offset_ = Vec3::Zero();
-  // tip_nominal(m) = A m + b: three linear axes between constant bodies
-  constexpr double kProbe = 1024;  // mm, a power of two: the division is exact
-  nominal_offset_ = nominal_tip(plan_, query(Vec3::Zero()));
-  for (Eigen::Index k = 0; k < 3; ++k)
-    nominal_axes_.col(k) = (nominal_tip(plan_, query(Vec3(kProbe * Vec3::Unit(k)))) - nominal_offset_) / kProbe;
-  const double volume = nominal_axes_.determinant();
-  independent_ = std::abs(volume) > kIndependent;
-  if (independent_) inverse_axes_ = nominal_axes_.inverse();
-  path_query_ = query(Vec3::Zero());
+  // tip_believed(m) = A m + b at the turns of the original
+  nominal_ = control_.tip_of_axes(stance_.commanded, tool_);
+  commanded_axes_ = standing_axes_ = Affine{};
+  independent_ = true;
+  if (stance_.tcp) {
+    const auto commanded = control_.axes_of_points(stance_.commanded, control_length_);
+    const auto standing = control_.axes_of_points(stance_.standing, control_length_);
+    independent_ = commanded && standing;
+    commanded_axes_ = commanded.value_or(Affine{});
+    standing_axes_ = standing.value_or(Affine{});
+    nominal_ = after(commanded_axes_, nominal_);
+  }
+  const auto back = inverse(nominal_);
+  independent_ = independent_ && back.has_value();
+  if (back) inverse_axes_ = back->A;
+  path_query_ = query(Vec3::Zero(), stance_.standing);
+  datum_ = Vec3::Zero();
   if (!probed_) return;
-  const Query at_datum = query(datum_point_);
-  // D0 = tip_actual(m0) - tip_nominal(m0)
-  const Vec3 shift = actual_tip(plan_, at_datum) - nominal_tip(plan_, at_datum);
-  if (shift.allFinite()) options_.target_shift = shift;
+  // D0 = tip_actual(m0) - tip_believed(m0), rotary axes at zero
+  const Vec3 shift = actual_tip(plan_, query(datum_point_, Turns{})) - control_.pose(datum_point_, Turns{}, tool_).position;
+  if (shift.allFinite()) datum_ = shift;
 }
 
-int CorrectionField::beyond_travel(const Vec3& m) const {
+int CorrectionField::beyond_travel(const Vec3& axes) const {
   for (std::size_t k = 0; k < 3; ++k) {
-    const double v = m[static_cast<Eigen::Index>(k)];
+    const double v = axes[static_cast<Eigen::Index>(k)];
     if (v < travel_[k][0] - kTravelSlack || v > travel_[k][1] + kTravelSlack) return static_cast<int>(k);
   }
   return -1;
 }
 
-/// The usual case along a path: all three axes free, the correction within the travels, a few steps of
-///   q := q - A^-1 (tip_actual(q) - target)
-/// False: let correct() say what is the matter.
-bool CorrectionField::follow(const Vec3& m, const std::array<signed char, 3>& approach, Answer& answer) {
-  const Vec3 target = nominal_axes_ * m + nominal_offset_ + options_.target_shift;
-  Vec3 q = m + last_offset_;
-  if (directional_) {
-    for (std::size_t k = 0; k < 3; ++k) path_query_.approach[static_cast<std::size_t>(axes_.index[k])] = approach[k];
+std::optional<int> CorrectionField::turn_beyond_travel(const Turns& turns) const {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double v = axes_.rotary[k] < 0 ? 0 : model_turn(k, turns[k]);
+    if (v < turn_travel_[k][0] - kTravelSlack || v > turn_travel_[k][1] + kTravelSlack) return 3 + static_cast<int>(k);
   }
+  return std::nullopt;
+}
+
+std::optional<Vec3> CorrectionField::commanded_point(const Vec3& axes) const {
+  if (!stance_.tcp) return axes;
+  const auto back = inverse(commanded_axes_);
+  return back ? std::optional<Vec3>((*back)(axes)) : std::nullopt;
+}
+
+std::optional<Vec3> CorrectionField::standing_point(const Vec3& axes) const {
+  if (!stance_.tcp) return axes;
+  const auto back = inverse(standing_axes_);
+  return back ? std::optional<Vec3>((*back)(axes)) : std::nullopt;
+}
+
+/// A few steps of
+///   q := q - A^-1 (tip_actual(q) - target)
+/// False: not converged, outside the measured volume or a travel; `answer` says which.
+bool CorrectionField::follow(const Vec3& m, const Mat3& inverse, Answer& answer) {
+  const Vec3 target = nominal_(m) + datum_;
+  Vec3 q = m + last_offset_;
   double before = 0;
+  answer.trouble = Trouble::failed;
   for (int i = 0; i < kMaxSteps; ++i) {
     bool outside = false;
+    const Vec3 axes = standing_axes(q);
     for (std::size_t k = 0; k < 3; ++k)
-      path_query_.q[static_cast<std::size_t>(axes_.index[k])] = q[static_cast<Eigen::Index>(k)];
-    const Vec3 step = inverse_axes_ * (target - actual_tip_(path_query_, &outside));
+      path_query_.q[static_cast<std::size_t>(axes_.linear[k])] = axes[static_cast<Eigen::Index>(k)];
+    const Vec3 step = inverse * (target - actual_tip_(path_query_, &outside));
     q += step;
     const double size = step.norm();
-    if (outside || !std::isfinite(size) || beyond_travel(q) >= 0) return false;
+    if (!std::isfinite(size)) return false;
     const double rate = before > 0 ? std::clamp(4 * size / before, 1e-3, 1.0) : kFirstRate;
     before = size;
-    if (size > options_.position_tolerance && size * rate > options_.position_tolerance) continue;
+    if (size > kTolerance && size * rate > kTolerance) continue;
     answer.q = q;
+    const Vec3 reached = standing_axes(q);
+    if (const int axis = beyond_travel(reached); axis >= 0) {
+      answer.trouble = Trouble::travel;
+      answer.axis = axis;
+      answer.at = reached[axis];
+      return false;
+    }
+    if (outside) {
+      answer.trouble = Trouble::outside;
+      return false;
+    }
+    answer.trouble = Trouble::none;
     last_offset_ = q - m;
     return true;
   }
   return false;
 }
 
+/// Least squares over the axes that may move; rows of the others are zero.
+Mat3 CorrectionField::inverse_without(unsigned withheld) const {
+  if (withheld == 0 && independent_) return inverse_axes_;
+  Mat3 columns = nominal_.A;
+  for (int k = 0; k < 3; ++k) {
+    if (withheld & (1u << k)) columns.col(k).setZero();
+  }
+  return columns.completeOrthogonalDecomposition().pseudoInverse();
+}
+
 CorrectionField::Answer CorrectionField::at(const Vec3& m, unsigned withheld, const std::array<signed char, 3>& approach) {
   Answer answer;
   answer.q = m;
-  if (const int axis = beyond_travel(m); axis >= 0) {
+  const Vec3 commanded = commanded_axes(m);
+  if (const int axis = beyond_travel(commanded); axis >= 0) {
     answer.trouble = Trouble::travel;
     answer.axis = axis;
+    answer.at = commanded[axis];
     return answer;
   }
-  if (withheld == 0 && independent_ && follow(m, approach, answer)) return answer;
-  Query q = query(m);
-  for (std::size_t k = 0; k < 3; ++k) q.approach[static_cast<std::size_t>(axes_.index[k])] = approach[k];
-  std::array<double, kMaxAxes> start = q.q;
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (!(withheld & (1u << k))) start[static_cast<std::size_t>(axes_.index[k])] += last_offset_[static_cast<Eigen::Index>(k)];
-  }
-  const Correction correction = correct(plan_, q, free_[withheld], options_, &start);
-  if (correction.status == Status::failed) {
-    answer.trouble = Trouble::failed;
-    return answer;
-  }
-  // An axis that was stopped at the end of its travel is not corrected any more.
-  for (std::size_t k = 0; k < 3; ++k) {
-    if (!(correction.held & (AxisSet{1} << axes_.index[k]))) continue;
+  if (const auto axis = turn_beyond_travel(stance_.standing)) {
     answer.trouble = Trouble::travel;
-    answer.axis = static_cast<int>(k);
+    answer.axis = *axis;
+    answer.at = stance_.standing[static_cast<std::size_t>(*axis - 3)];
     return answer;
   }
+  if (directional_) {
+    for (std::size_t k = 0; k < 3; ++k) path_query_.approach[static_cast<std::size_t>(axes_.linear[k])] = approach[k];
+  }
+  for (Eigen::Index k = 0; k < 3; ++k) {
+    if (withheld & (1u << k)) last_offset_[k] = 0;
+  }
+  if (!follow(m, withheld == 0 && independent_ ? inverse_axes_ : inverse_without(withheld), answer)) last_offset_.setZero();
+  return answer;
+}
+
+CorrectionField::TurnsAnswer CorrectionField::turns_at(const Vec3& m, const Turns& commanded, unsigned turning) {
+  TurnsAnswer answer;
+  answer.turns = stance_.standing;
+  // The wanted pose is the original's; axes that do not turn stay where the output has them.
+  Turns turns = stance_.standing;
+  AxisSet free = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double corrected = correction.corrected[static_cast<std::size_t>(axes_.index[k])];
-    answer.q[static_cast<Eigen::Index>(k)] = corrected;
-    if (!(withheld & (1u << k))) last_offset_[static_cast<Eigen::Index>(k)] = corrected - m[static_cast<Eigen::Index>(k)];
+    const AxisSet linear = AxisSet{1} << axes_.linear[k];
+    if (plan_.machine().axis(axes_.linear[k]).correctable) free |= linear;
+    if ((turning >> k & 1u) == 0 || axes_.rotary[k] < 0) continue;
+    turns[k] = commanded[k];
+    if (plan_.machine().axis(axes_.rotary[k]).correctable) free |= AxisSet{1} << axes_.rotary[k];
   }
-  if (correction.outside) {
-    answer.trouble = Trouble::outside;
-    return answer;
+  Vec3 axes = m;
+  if (stance_.tcp) {
+    const auto map = control_.axes_of_points(commanded, control_length_);
+    if (!map) return answer.trouble = Trouble::failed, answer;
+    axes = (*map)(m);
   }
-  if (const int axis = beyond_travel(answer.q); axis >= 0) {
-    answer.trouble = Trouble::travel;
-    answer.axis = axis;
+  const TipAndAxis target = control_.pose(axes, commanded, tool_);
+  turn_options_.target = &target;
+  turn_options_.target_shift = datum_;
+  const Correction found = correct(plan_, query(axes, turns), free, turn_options_);
+  turn_options_.target = nullptr;
+  if (found.status == Status::failed) return answer.trouble = Trouble::failed, answer;
+  if (found.outside) return answer.trouble = Trouble::outside, answer;
+  for (std::size_t k = 0; k < 3; ++k) {
+    if ((turning >> k & 1u) == 0 || axes_.rotary[k] < 0) continue;
+    const auto i = static_cast<std::size_t>(axes_.rotary[k]);
+    // the model's turn may differ from the control's by whole turns
+    answer.turns[k] = commanded[k] + (found.corrected[i] - model_turn(k, commanded[k]));
+    answer.held = answer.held || (found.held & (AxisSet{1} << axes_.rotary[k])) != 0;
   }
   return answer;
+}
+
+CorrectionField::Miss CorrectionField::miss(const Vec3& m, const Vec3& q) const {
+  Miss miss;
+  const TipAndAxis target = control_.pose(commanded_axes(m), stance_.commanded, tool_);
+  const Pose actual = actual_pose(plan_, query(standing_axes(q), stance_.standing), &miss.outside);
+  miss.position = (actual.p - target.position - datum_).norm();
+  const Vec3 axis = actual.R * tool_.axis;
+  miss.direction = std::atan2(axis.cross(target.tool_axis).norm(), axis.dot(target.tool_axis));
+  return miss;
 }
 
 }  // namespace abbe

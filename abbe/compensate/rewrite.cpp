@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "abbe/compensate/rewriter.h"
 
 namespace abbe {
@@ -23,10 +25,10 @@ Diagnostic whole_file(const std::string& name, const char* code, std::string mes
 
 RewriteReport rewrite_program(const Plan& plan, const RewriteJob& job, SpoolFile& out, const Progress& progress) {
   RewriteReport report;
-  char missing = 0;
-  const auto axes = program_axes(plan.machine(), missing);
-  if (!axes) {
-    report.diagnostics.push_back(whole_file(job.name, "E-MACHINE", fmt::format("the machine has no linear axis with the address {}", missing),
+  const AddressedAxes axes = addressed_axes(plan.machine());
+  const auto missing = std::find(axes.linear.begin(), axes.linear.end(), -1);
+  if (missing != axes.linear.end()) {
+    report.diagnostics.push_back(whole_file(job.name, "E-MACHINE", fmt::format("the machine has no linear axis with the address {}", "XYZ"[missing - axes.linear.begin()]),
                                             "describe X, Y and Z, or set `address` in the machine file"));
     return report;
   }
@@ -37,7 +39,7 @@ RewriteReport rewrite_program(const Plan& plan, const RewriteJob& job, SpoolFile
   }
   auto& reader = std::get<LineReader>(opened);
   report.identity = reader.identity();
-  Rewriter rewriter(plan, *axes, job, report);
+  Rewriter rewriter(plan, axes, job, report);
   std::string text;
   text.reserve(2 * kBlock);
   bool written = true;

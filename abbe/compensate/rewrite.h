@@ -54,6 +54,7 @@ struct RewriteReport {
   std::array<std::uint64_t, 3> max_line{};
   double max_gradient = 0;                       ///< mm per mm
   double cycle_residual = 0;                     ///< mm, inside canned cycles (rigid shift)
+  std::uint64_t held_blocks = 0;                 ///< with a rotary axis held near a singularity
   double shortest_split = 0;                     ///< mm, 0 = nothing split
   std::optional<BlockTrace> trace;
   bool compensated_input = false;                ///< the input carries our mark

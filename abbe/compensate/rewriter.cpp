@@ -16,16 +16,23 @@ constexpr std::uint64_t kMarkLines = 40;
 
 }  // namespace
 
-Rewriter::Rewriter(const Plan& plan, const ProgramAxes& axes, const RewriteJob& job, RewriteReport& report)
+Rewriter::Rewriter(const Plan& plan, const AddressedAxes& axes, const RewriteJob& job, RewriteReport& report)
     : job_(job), report_(report), machine_(plan.machine()), field_(plan, axes, job.probed_datum), findings_(job.name),
       interpolation_(job.tolerance / 2),
       angular_(machine_.has_angular_errors()), in_(job.setup.work_offsets),
-      out_(job.setup.work_offsets) {
+      out_(job.setup.work_offsets), tcp_(machine_.control.tcp), axes_(axes) {
+  modal_.tcp_codes = machine_.control.codes;
+  in_.turns = out_.turns = job.setup.start_turns;
+  for (unsigned k = 0; k < 3; ++k) {
+    if (axes.rotary[k] >= 0) needed_ |= 8u << k;
+  }
+  known_ = needed_ & ~7u;
   for (std::size_t k = 0; k < 3; ++k) {
     if (!job.setup.start[k]) continue;
     known_ |= 1u << k;
     in_.m[static_cast<Eigen::Index>(k)] = out_.m[static_cast<Eigen::Index>(k)] = *job.setup.start[k];
   }
+  stand(in_.turns, out_.turns);
   change_tool(job.setup.loaded_tool);
 }
 
@@ -133,6 +140,7 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
     }
   }
   if (!read_instruction(block_, modal_, number, findings_, instruction_)) return;
+  if (instruction_.turns_axes && !turn_words_allowed()) return;
   execute(out);
 }
 

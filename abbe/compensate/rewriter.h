@@ -12,6 +12,7 @@
 #include "abbe/compensate/line_edit.h"
 #include "abbe/compensate/line_split.h"
 #include "abbe/compensate/rewrite.h"
+#include "abbe/compensate/turn_word.h"
 #include "abbe/program/block.h"
 #include "abbe/program/program_findings.h"
 #include "abbe/program/frames.h"
@@ -25,7 +26,7 @@ namespace abbe {
 /// what its words, as rounded, say: rounding never accumulates.
 class Rewriter {
  public:
-  Rewriter(const Plan& plan, const ProgramAxes& axes, const RewriteJob& job, RewriteReport& report);
+  Rewriter(const Plan& plan, const AddressedAxes& axes, const RewriteJob& job, RewriteReport& report);
 
   /// One line with its end-of-line bytes. Output lines are appended to `out`.
   void line(std::string_view bytes, std::uint64_t number, bool too_long, std::string& out);
@@ -38,14 +39,25 @@ class Rewriter {
   struct Side {
     explicit Side(const std::array<std::optional<WorkOffset>, 9>& offsets) : frames(offsets) {}
     Frames frames;
-    Vec3 m = Vec3::Zero();          ///< axis commands, mm; meaningless for unknown axes
+    Vec3 m = Vec3::Zero();          ///< point in machine coordinates, mm; meaningless for unknown axes
+    Turns turns{};                  ///< of A B C, rad, counted through whole turns
     Vec3 g92_saved = Vec3::Zero();
     double cycle_level = 0;         ///< height before a series of cycles, program frame
     [[nodiscard]] Vec3 p() const { return frames.to_program(m); }
   };
   struct Move {
     Vec3 m0 = Vec3::Zero(), m1 = Vec3::Zero();  ///< of the original
-    unsigned known0 = 0, known1 = 0, named = 0;
+    unsigned known0 = 0, known1 = 0, named = 0;  ///< bits 0 1 2 = X Y Z, 3 4 5 = A B C
+    Turns turns0{}, turns1{};                    ///< of the original
+    unsigned turning = 0;                        ///< rotary axes that move, bits 0 1 2 = A B C
+    [[nodiscard]] bool turns() const { return turning != 0; }
+  };
+  /// A block of the output that does part of a straight move.
+  struct Piece {
+    double s0 = 0, s1 = 1;     ///< of the original move
+    Vec3 want = Vec3::Zero();  ///< program coordinates of the output
+    Turns turns{};             ///< as their words say
+    std::array<double, 3> turn_numbers{};  ///< those words
   };
 
   // rewriter.cpp: lines and blocks
@@ -91,6 +103,33 @@ class Rewriter {
   void command(const Vec3& want, bool first, Vec3& p_out, std::string* extra, unsigned skip = 0);
   void put_feed_share(double fraction, bool first, std::string* extra);
   void stops_to_last(bool first, std::string* extra);
+
+  void write_pieces(const Move& move, const std::vector<Piece>& pieces, std::string& out);
+
+  // rewriter_turning.cpp: rotary axes and tool centre point control
+  [[nodiscard]] const Word* turn_word_of(int axis) const { return instruction_.find(block_, "ABC"[axis]); }
+  [[nodiscard]] Turning turning_of(int axis) const;
+  [[nodiscard]] int turn_decimals(int axis) const;
+  bool turn_words_allowed();
+  bool read_turns(Move& move);
+  void keep_turns(const Move& move);
+  void command_turns(const Move& move, const Piece& piece, bool first, std::string* extra);
+  void switch_tcp(bool on);
+  bool stand(const Turns& commanded, const Turns& standing);
+  bool turn(const Move& move, std::string& out);
+  /// A place of a turning move, solved: what the output must command there.
+  struct Stop {
+    double s = 0;
+    Vec3 m = Vec3::Zero();
+    Turns turns{};
+    std::array<double, 3> numbers{};
+    bool held = false;
+  };
+  std::optional<Stop> stop_at(const Move& move, double s, const Turns& from);
+  bool bends(const Move& move, const Stop& a, const Stop& b);
+  bool split_turn(const Move& move, const Stop& a, const Stop& b, int depth, std::vector<Stop>& stops);
+  bool choose_turning_feed(const Move& move, const Stop& start, const Stop& end);
+  void write_timed(const Move& move, const std::vector<Piece>& pieces, std::string& out);
 
   // rewriter_arc.cpp
   /// The directions in which the axes have moved last, after they went `way` (machine axes); `known` axes only.
@@ -157,7 +196,12 @@ class Rewriter {
   LineEdit edit_;
 
   Side in_, out_;                 ///< the control of the original, of the output
-  unsigned known_ = 0, withheld_ = 0;
+  unsigned known_ = 0, withheld_ = 0;  ///< bits 0 1 2 = X Y Z, 3 4 5 = A B C
+  unsigned needed_ = 7;                ///< axes whose position the correction depends on
+  unsigned turned_ = 0;                ///< rotary axes that the program has commanded, bits 0 1 2 = A B C
+  bool tcp_ = false;
+  double timed_feed_ = 0;  ///< 1/min: the block's time is stated by G93 in its output; 0: not
+  AddressedAxes axes_;
   bool start_corrected_ = false;  ///< the output stands where the correction wants it
   std::optional<Vec3> last_correction_;  ///< at in_.m, for the current datum
   std::array<signed char, 3> approach_{};  ///< in which each axis moved last, -1 0 +1

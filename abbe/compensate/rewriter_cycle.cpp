@@ -77,7 +77,7 @@ bool Rewriter::read_holes(Holes& holes) {
     return bad("tapping outside the XY plane", "LinuxCNC moves other axes than the program names", "tap in G17");
   }
   if (!cycle_.has_r || !cycle_.has_z) return bad("the first block of a cycle needs R and the bottom", "the control refuses it", "add them");
-  if (known_ != 7) {
+  if (known_ != needed_) {
     refuse_block("E-POS", "a cycle while the position of an axis is not known", "the correction depends on all three axes",
                  "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z..");
     return false;

@@ -24,6 +24,7 @@ bool Rewriter::read_move(Move& move) {
   move.m0 = move.m1 = in_.m;
   move.known0 = move.known1 = known_;
   for (int k = 0; k < 3; ++k) move.named |= axis_word(k) ? 1u << k : 0u;
+  if (!read_turns(move)) return false;
   if (instruction_.zero == 530) {
     if (modal_.incremental) {
       refuse_block("E-G53", "G53 in G91", "controls differ on what incremental machine coordinates mean", "write G90 before");
@@ -31,6 +32,11 @@ bool Rewriter::read_move(Move& move) {
     }
     for (int k = 0; k < 3; ++k) {
       if (const Word* word = axis_word(k)) move.m1[k] = word->value * modal_.unit();
+    }
+    if (tcp_ && (move.named & 7u) != 0) {
+      refuse_block("E-TCP", "machine coordinates (G53) while tool centre point control is on", "controls differ on what they mean then",
+                   "switch tool centre point control off before");
+      return false;
     }
     move.known1 |= move.named;
     return true;
@@ -53,7 +59,7 @@ bool Rewriter::read_move(Move& move) {
     p[k] = word->value * modal_.unit() + (modal_.incremental ? p[k] : 0.0);
   }
   move.m1 = frames.to_machine(p);
-  if (!modal_.incremental) move.known1 |= move.named;
+  if (!modal_.incremental) move.known1 |= move.named & 7u;
   // A rotated frame mixes X and Y: one is known only with the other.
   if (frames.rotated() && (move.known1 & 3u) != 3u) move.known1 &= ~3u;
   // Axes that are not named stay exactly where they are.
@@ -69,8 +75,13 @@ void Rewriter::motion(std::string& out) {
   if (!read_move(move)) return;
   refresh_datum();
   const bool machine_frame = instruction_.zero == 530;
+  const Turns turns_before = out_.turns;
+  if (!machine_frame) keep_turns(move);
   if (machine_frame) {
-    withheld_ |= move.named;
+    withheld_ |= move.named & 7u;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (move.named & (8u << k)) out_.turns[k] = move.turns1[k];
+    }
     for (int k = 0; k < 3; ++k) {
       if (move.named & (1u << k)) out_.m[k] = move.m1[k];
     }
@@ -84,15 +95,22 @@ void Rewriter::motion(std::string& out) {
     pass(out);
   } else if (is_arc(instruction_.motion)) {
     withheld_ &= ~move.named;
-    if (arc(move, out)) return;
-  } else if (move.known1 != 7) {
+    if (move.turns()) {
+      refuse_block("E-ROTARY", "a rotary axis turns along an arc", "how the control joins both motions is not known", "post such paths as lines");
+    } else if (arc(move, out)) {
+      return;
+    }
+  } else if (move.known1 != needed_) {
     uncorrected(move, out);
   } else {
     withheld_ &= ~move.named;
-    if (straight(move, out)) return;
+    if (move.turns() ? turn(move, out) : straight(move, out)) return;
     out_.m = move.m1;  // refused: nothing is written any more, but what follows is judged from where it starts
+    out_.turns = move.turns1;
   }
   in_.m = move.m1;
+  in_.turns = move.turns1;
+  if (in_.turns != move.turns0 || out_.turns != turns_before) stand(in_.turns, out_.turns);
   known_ = move.known1;
   last_correction_.reset();
   start_corrected_ = false;
@@ -100,7 +118,7 @@ void Rewriter::motion(std::string& out) {
 
 void Rewriter::uncorrected(const Move& move, std::string& out) {
   if (instruction_.motion != 0) {
-    refuse_block("E-POS", "a feed move while the position of an axis is not known", "the correction depends on all three axes",
+    refuse_block("E-POS", "a feed move while the position of an axis is not known", "the correction depends on all axes",
                  "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z.. (after M6: --tool-change keeps, if it does not move)");
   }
   // The words stand as they are; only they say where the output goes.
@@ -112,13 +130,16 @@ void Rewriter::uncorrected(const Move& move, std::string& out) {
   for (int k = 0; k < 3; ++k) {
     if ((move.named & (1u << k)) || (out_.frames.rotated() && k < 2)) out_.m[k] = m[k];
   }
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (move.named & (8u << k)) out_.turns[k] = move.turns1[k];
+  }
   ++report_.blocks.passed;
   move_text_ = "the position of an axis is not known yet: the rapid is copied";
   pass(out);
 }
 
 bool Rewriter::feed_allowed(const Move& move) {
-  if (move.known0 != 7) {
+  if (move.known0 != needed_) {
     refuse_block("E-POS", "a feed move from a position that is not known", "the path, and so its correction, cannot be followed",
                  "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z.. (after M6: --tool-change keeps, if it does not move)");
     return false;
@@ -162,7 +183,8 @@ std::optional<Vec3> Rewriter::correction_at(const Vec3& m, unsigned withheld, co
       return Vec3(answer.q - m);
     case Trouble::travel:
       report_.out_of_volume = true;
-      refuse_block("E-TRAVEL", fmt::format("{} {:.4f} mm: outside the travel of the axis", "XYZ"[answer.axis], answer.q[answer.axis]),
+      refuse_block("E-TRAVEL", fmt::format("{} {:.4f} {}: outside the travel of the axis", "XYZABC"[answer.axis],
+                                           answer.axis < 3 ? answer.at : answer.at / deg, answer.axis < 3 ? "mm" : "deg"),
                    "the control would stop there, or the machine file's range is wrong", "check the work offset (--offset) and `range` in the machine file");
       return std::nullopt;
     case Trouble::outside:
@@ -216,6 +238,10 @@ bool Rewriter::sample_line(const Move& move, const Vec3& end_correction, const s
 
 void Rewriter::put_feed_share(double fraction, bool first, std::string* extra) {
   const Word* f = instruction_.find(block_, 'F');
+  if (timed_feed_ > 0) {
+    put('F', first ? f : nullptr, timed_feed_ / fraction, 4, first, extra);
+    return;
+  }
   if (modal_.feed_mode != 930 || !f || fraction >= 1) return;
   if (!first) *extra += " F";
   append_fixed(first ? edit_.replace(*f) : *extra, f->value / fraction, std::max<int>(f->decimals, 4));
@@ -257,7 +283,8 @@ double Rewriter::put(char letter, const Word* word, double number, int decimals,
     *extra += ' ';
     *extra += letter;
   }
-  return append_fixed(word ? edit_.replace(*word) : first ? edit_.add(letter) : *extra, number, decimals);
+  if (word) return edit_.replace(*word, number, decimals);
+  return append_fixed(first ? edit_.add(letter) : *extra, number, decimals);
 }
 
 void Rewriter::command(const Vec3& want, bool first, Vec3& p_out, std::string* extra, unsigned skip) {
@@ -269,6 +296,44 @@ void Rewriter::command(const Vec3& want, bool first, Vec3& p_out, std::string* e
     Value value = axis_value(k, want, p_out, first, base);
     if (value.written) value.number = put("XYZ"[k], word, value.number, decimals_of(named), first, extra);
     if (value.written || word) p_out[k] = base + value.number * modal_.unit();
+  }
+}
+
+// The first piece edits the block, the others add blocks behind it.
+void Rewriter::write_pieces(const Move& move, const std::vector<Piece>& pieces, std::string& out) {
+  Vec3 p_out = out_.p();
+  const double length = (move.m1 - move.m0).norm();
+  const std::string_view inner_eol = file_eol_.empty() ? std::string_view("\n") : std::string_view(file_eol_);
+  std::string extra, tail;
+  for (std::size_t j = 0; j < pieces.size(); ++j) {
+    const Piece& piece = pieces[j];
+    const bool first = j == 0, last = j + 1 == pieces.size();
+    extra.clear();
+    command(piece.want, first, p_out, &extra);
+    command_turns(move, piece, first, &extra);
+    put_feed_share(piece.s1 - piece.s0, first, &extra);
+    if (!last && first) stops_to_last(true, nullptr);
+    if (!first && last) stops_to_last(false, &extra);
+    if (first || extra.empty()) continue;  // empty: the rounded end is where the last piece went
+    tail += block_.slash ? "/" : "";
+    tail += extra.substr(block_.slash ? 0 : 1);
+    tail += last ? eol_ : inner_eol;
+    ++report_.lines_out;
+    const double part = (piece.s1 - piece.s0) * length;
+    if (report_.shortest_split == 0 || part < report_.shortest_split) report_.shortest_split = part;
+  }
+  const std::size_t begin = out.size();
+  edit_.append_to(out);
+  const std::string_view line_eol = eol_;
+  if (!tail.empty()) eol_ = inner_eol;
+  end_line(out, begin);
+  eol_ = line_eol;
+  out += tail;
+  if (pieces.size() > 1) ++report_.blocks.split;
+  if (edit_.changed()) ++report_.blocks.rewritten;
+  out_.m = out_.frames.to_machine(p_out);
+  for (int k = 0; k < 3; ++k) {
+    if (withheld_ & (1u << k)) out_.m[k] = move.m1[k];
   }
 }
 
@@ -315,56 +380,17 @@ bool Rewriter::straight(const Move& move, std::string& out) {
       ends = split_move(samples_, interpolation_);
     }
   }
-  Vec3 p_out = out_.p();
-  const std::size_t pieces = std::max<std::size_t>(1, ends.size()) + (takes_up ? 1 : 0);
-  double s0 = 0;
-  std::string extra, tail;
-  for (std::size_t j = 0; j < pieces; ++j) {
-    const bool first = j == 0, last = j + 1 == pieces;
-    double s = 1;
-    Vec3 c = *c1;
-    if (!last || takes_up) {
-      const std::size_t index = takes_up ? (j == 0 ? 0 : ends[j - 1]) : ends[j];
-      s = samples_[index].s;
-      c = samples_[index].correction;
-    }
-    const Vec3 want = out_.frames.to_program(last ? Vec3(move.m1 + *c1) : Vec3(move.m0 + s * way + c));
-    extra.clear();
-    command(want, first, p_out, &extra);
-    put_feed_share(s - s0, first, &extra);
-    if (pieces > 1 && first) stops_to_last(true, nullptr);
-    if (pieces > 1 && last) stops_to_last(false, &extra);
-    if (!first) {
-      if (extra.empty()) continue;  // the rounded end is where the last piece went
-      tail += block_.slash ? "/" : "";
-      tail += extra.substr(block_.slash ? 0 : 1);
-      tail += last ? eol_ : (file_eol_.empty() ? std::string_view("\n") : std::string_view(file_eol_));
-      ++report_.lines_out;
-      const double piece = (s - s0) * way.norm();
-      if (report_.shortest_split == 0 || piece < report_.shortest_split) report_.shortest_split = piece;
-    }
-    s0 = s;
-  }
-  const std::size_t begin = out.size();
-  edit_.append_to(out);
-  if (pieces > 1) {
-    const std::string_view line_eol = eol_;
-    if (!tail.empty()) eol_ = file_eol_.empty() ? std::string_view("\n") : std::string_view(file_eol_);
-    end_line(out, begin);
-    eol_ = line_eol;
-    out += tail;
-    ++report_.blocks.split;
-  } else {
-    end_line(out, begin);
-  }
-  if (edit_.changed()) ++report_.blocks.rewritten;
+  std::vector<Piece> pieces;
+  const auto add = [&](double s1, const Vec3& m) {
+    pieces.push_back({pieces.empty() ? 0 : pieces.back().s1, s1, out_.frames.to_program(m), {}, {}});
+  };
+  if (takes_up) add(0, move.m0 + samples_.front().correction);
+  for (std::size_t j = 0; j + 1 < ends.size(); ++j) add(samples_[ends[j]].s, move.m0 + samples_[ends[j]].s * way + samples_[ends[j]].correction);
+  add(1, move.m1 + *c1);
+  write_pieces(move, pieces, out);
   if (number_ == job_.trace_line) {
-    move_text_ = pieces > 1 ? fmt::format("feed move in {} pieces: the correction bends along it", pieces)
+    move_text_ = pieces.size() > 1 ? fmt::format("feed move in {} pieces: the correction bends along it", pieces.size())
                             : (feed ? "feed move: one piece is straight enough" : "rapid: its end is corrected");
-  }
-  out_.m = out_.frames.to_machine(p_out);
-  for (int k = 0; k < 3; ++k) {
-    if (withheld_ & (1u << k)) out_.m[k] = move.m1[k];
   }
   in_.m = move.m1;
   known_ = move.known1;

@@ -68,12 +68,15 @@ bool Rewriter::settings() {
     }
     // The control may have moved to its place for changing tools, and it stays there.
     if (!job_.setup.tool_change_keeps_place) {
-      known_ = withheld_ = 0;
+      // a rotary axis that no block has commanded yet is where it was from the start
+      known_ = needed_ & ~7u & ~(turned_ << 3);
+      withheld_ = 0;
       start_corrected_ = false;
     }
     if (!change_tool(selected_tool_)) return false;
   }
   if (instruction_.tool_length >= 0 && !tool_length()) return false;
+  if (instruction_.tcp >= 0) switch_tcp(instruction_.tcp == 1);
   if (instruction_.wcs >= 0) {
     in_.frames.select(frame_of(instruction_.wcs));
     out_.frames.select(frame_of(instruction_.wcs));
@@ -102,8 +105,13 @@ bool Rewriter::tool_length() {
     }
     tlo = Vec3(entry->second.offset[0], entry->second.offset[1], entry->second.offset[2]);
   }
+  // With TCP the control reckons with the new length from where the axes stand.
+  const bool tcp = tcp_;
+  switch_tcp(false);
   in_.frames.set_tool_offset(tlo);
   out_.frames.set_tool_offset(tlo);
+  field_.set_control_length(tlo.z());
+  switch_tcp(tcp);
   datum_dirty_ = true;
   return true;
 }
@@ -126,8 +134,11 @@ bool Rewriter::zero_group(std::string& out, bool& done) {
     case 300: {
       // The reference position is the control's own: nothing is known of these axes afterwards.
       unsigned named = 0;
-      for (int k = 0; k < 3; ++k) named |= axis_word(k) ? 1u << k : 0u;
-      if (named == 0) named = 7;
+      for (int k = 0; k < 3; ++k) named |= (axis_word(k) ? 1u << k : 0u) | (turn_word_of(k) ? 8u << k : 0u);
+      if (named == 0) named = needed_;
+      // a point of the tip is a matter of all axes
+      if (tcp_) named |= 7u;
+      turned_ |= named >> 3;
       known_ &= ~named;
       withheld_ &= ~named;
       last_correction_.reset();
@@ -195,7 +206,7 @@ bool Rewriter::set_g92() {
     const int decimals = decimals_of(word) + 2;
     double v = word->value + (p_out[k] - p_in[k]) / modal_.unit();
     if (std::abs(v - word->value) > half_digit(decimals)) {
-      v = append_fixed(edit_.replace(*word), v, decimals);
+      v = edit_.replace(*word, v, decimals);
     } else {
       v = word->value;
     }
@@ -257,7 +268,7 @@ bool Rewriter::set_work_offset() {
     const int decimals = decimals_of(word) + 2;
     double v = (at_out - in.origin[i]) / modal_.unit();
     if (std::abs(v - word->value) > half_digit(decimals)) {
-      v = append_fixed(edit_.replace(*word), v, decimals);
+      v = edit_.replace(*word, v, decimals);
     } else {
       v = word->value;
     }

@@ -48,6 +48,11 @@ void expect_as_library(double value, int decimals) {
   ASSERT_EQ(back.decimals, decimals);
   ASSERT_EQ(back.length, text.size() - 1);
   ASSERT_TRUE(same_bits(seen, rounded(value, decimals))) << text;
+  const FixedNumber number = to_fixed(value, decimals);
+  if (!number.fits) return;
+  std::array<char, kFixedRoom> spelled;
+  ASSERT_EQ("X" + std::string(spelled.data(), write_fixed(spelled.data(), number)), text);
+  ASSERT_TRUE(same_bits(number.value, seen)) << text;
 }
 
 std::string draw_decimal(std::mt19937_64& rng, int max_whole, int max_decimals) {
@@ -91,7 +96,7 @@ TEST(ReadDecimal, PlainNumbersReadTheSame) {
     const std::string text = (k % 3 == 0 ? draw_decimal(rng, 12, 12) : draw_decimal(rng, 5, 5)) + "Z1";
     double value = 0;
     int decimals = 0;
-    const char* const end = read_plain_decimal(text.data(), text.data() + text.size(), value, decimals);
+    const char* const end = read_plain_decimal(text.data(), text.data(), text.data() + text.size(), value, decimals);
     if (end == nullptr) continue;
     ++plain;
     const Decimal read = read_decimal(text);
@@ -103,7 +108,32 @@ TEST(ReadDecimal, PlainNumbersReadTheSame) {
   for (const std::string text : {"", "-", ".", "-.", "+1", "X1", "1234567890123456", "--1"}) {
     double value = 7;
     int decimals = 0;
-    EXPECT_EQ(read_plain_decimal(text.data(), text.data() + text.size(), value, decimals), nullptr) << text;
+    EXPECT_EQ(read_plain_decimal(text.data(), text.data(), text.data() + text.size(), value, decimals), nullptr) << text;
+  }
+}
+
+// Near the start and the end of a line the eight bytes looked at are others.
+TEST(ReadDecimal, PlainNumbersReadTheSameWhereverTheyStand) {
+  std::mt19937_64 rng{7};
+  for (int k = 0; k < 10 * kDraws; ++k) {
+    const std::string number = draw_decimal(rng, 5, 6), behind = std::string(" .-Z7\x80\n9").substr(rng() % 8);
+    const std::string before(rng() % 10, '5');
+    const std::string text = before + number + behind.substr(0, rng() % 4);
+    const char* const at = text.data() + before.size();
+    const char* const end = text.data() + text.size();
+    double value = 0;
+    int decimals = 0;
+    const char* const found = read_plain_decimal(text.data(), at, end, value, decimals);
+    const Decimal read = read_decimal(std::string_view(text).substr(before.size()));
+    if (number.starts_with('+')) {
+      ASSERT_EQ(found, nullptr) << text;
+      continue;
+    }
+    ASSERT_EQ(read.length == 0, found == nullptr) << text;
+    if (found == nullptr) continue;
+    ASSERT_EQ(at + read.length, found) << text;
+    ASSERT_TRUE(same_bits(read.value, value)) << text;
+    ASSERT_EQ(read.decimals, decimals) << text;
   }
 }
 

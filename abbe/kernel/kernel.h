@@ -33,6 +33,9 @@ struct Kernel {
   /// The actual tip of one pose: q[axis], tip[0..2]. *lane |= outside.
   void (*one_tip)(const FlatView&, const double* tool_tip, const signed char* approach, const double* q,
                   double* tip, unsigned char* lane) = nullptr;
+  /// The actual tips of `count` poses with one tool and approach: tip[0..2][pose]. lanes[pose] |= outside.
+  void (*tips)(const FlatView&, const double* tool_tip, const signed char* approach, const double* const* q,
+               std::size_t count, double* const* tip, unsigned char* lanes) = nullptr;
   /// Corrected commands of `count` poses (all axes): a first-order step, then Setting::exact_steps Newton steps
   /// on the exact model. last[i]: length of the last step, mm (rotary steps count 300 mm per rad). An unusual
   /// lane's commands mean nothing. Needs corrects(view, free).

@@ -17,6 +17,23 @@ void one_tip(const FlatView& plan, const double* tool_tip, const signed char* ap
   if (state.outside != 0) *lane |= Lane::outside;
 }
 
+void tips(const FlatView& plan, const double* tool_tip, const signed char* approach, const double* const* q,
+          std::size_t count, double* const* tip, unsigned char* lanes) {
+  for (std::size_t first = 0; first < count; first += lanes_of<Packet>) {
+    State<Packet> state;
+    state.tip = tool_tip;
+    state.approach = approach;
+    for (int i = 0; i < plan.axis_count; ++i) state.q[i] = load<Packet>({q, first, count}, i);
+    Triple<Packet> p, a;
+    walk_actual<Packet, false>(plan, state, p, a);
+    store(tip[0], first, count, p.x);
+    store(tip[1], first, count, p.y);
+    store(tip[2], first, count, p.z);
+    for (std::size_t i = first; state.outside != 0 && i < count && i < first + lanes_of<Packet>; ++i)
+      if ((state.outside >> (i - first) & 1) != 0) lanes[i] |= Lane::outside;
+  }
+}
+
 void correct_poses(const FlatView& plan, const Setting& setting, const double* const* q, std::size_t count,
                    double* const* corrected, double* last, unsigned char* lanes) {
   const FreeAxes axes = free_axes_of(plan, setting);
@@ -28,7 +45,7 @@ void correct_poses(const FlatView& plan, const Setting& setting, const double* c
 }  // namespace
 
 const Kernel& ABBE_KERNEL_FUNCTION() {
-  static constexpr Kernel kernel = {ABBE_KERNEL_NAME, lanes_of<Packet>, one_tip, correct_poses};
+  static constexpr Kernel kernel = {ABBE_KERNEL_NAME, lanes_of<Packet>, one_tip, tips, correct_poses};
   return kernel;
 }
 

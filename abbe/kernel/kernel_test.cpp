@@ -117,6 +117,33 @@ TEST(Kernels, TipsOfAllKernelsAreTheGeneralTips) {
   EXPECT_GT(beyond, 100);
 }
 
+TEST(Kernels, NeighboursTogetherAreTheGeneralTips) {
+  RandomMachine random(14);
+  int beyond = 0;
+  for (int round = 0; round < 60; ++round) {
+    const Machine machine = tabulated(random.make(3, round % 3, 0.05, 2e-4));
+    const Plan plan = plan_of(machine, ErrorModel::rigid);
+    const TipFunction together(plan);
+    Query query = random.query(machine, 200, 1.2);
+    std::array<std::size_t, 3> axes{};
+    for (int i = 0, found = 0; i < machine.axis_count() && found < 3; ++i)
+      if (machine.axis(i).type == AxisType::linear) axes[static_cast<std::size_t>(found++)] = static_cast<std::size_t>(i);
+    std::swap(axes[0], axes[2]);
+    std::vector<Vec3> at;
+    for (int i = 0; i < 1 + round % 8; ++i) at.push_back(random.vector(round % 4 == 0 ? 3000 : 200));
+    std::array<TipAt, TipFunction::kMost> tips;
+    ASSERT_TRUE(together.neighbours(query, axes, at, tips));
+    for (std::size_t i = 0; i < at.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) query.q[axes[k]] = at[i][static_cast<Eigen::Index>(k)];
+      bool outside = false;
+      ASSERT_LE((tips[i].tip - actual_tip(plan, query, &outside)).norm(), kSameTip) << "round " << round;
+      ASSERT_EQ(tips[i].outside, outside);
+      beyond += outside ? 1 : 0;
+    }
+  }
+  EXPECT_GT(beyond, 10);
+}
+
 TEST(Kernels, TipFunctionIsTheGeneralTip) {
   RandomMachine random(12);
   for (int round = 0; round < 20; ++round) {

@@ -22,10 +22,12 @@ struct ToolEntry {
   std::string comment;
 };
 
-/// A work coordinate system: origin in machine coordinates (mm) and rotation about Z (rad).
+/// A work coordinate system: origin in machine coordinates (mm), rotation about Z (rad), and where A B C
+/// are zero (rad).
 struct WorkOffset {
   std::array<double, 3> origin{};
   double rotation = 0;
+  std::array<double, 3> turns{};
 };
 
 /// What the control knows besides the program: given by the user, needed to know where the
@@ -36,6 +38,7 @@ struct ControlSetup {
   std::map<int, double> gauges;                           ///< --gauge: tool number -> gauge length, mm
   std::optional<int> loaded_tool;  ///< in the spindle at the start; none = the machine file's tool
   std::array<std::optional<double>, 3> start;   ///< machine position before the program, if known
+  std::array<double, 3> start_turns{};          ///< of A B C, rad
   enum class BlockDelete { unknown, on, off };  ///< on: blocks with '/' are skipped
   BlockDelete block_delete = BlockDelete::unknown;
   bool tool_change_keeps_place = false;  ///< false: after M6 no axis is known to stand where it was

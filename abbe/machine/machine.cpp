@@ -148,4 +148,28 @@ std::vector<std::string> errors_of_one_test(const Machine& machine) {
   return names;
 }
 
+Machine as_controlled(const Machine& machine) {
+  Machine out = machine;
+  std::vector<ErrorName> corrected;
+  for (const std::string& text : machine.control.corrects) {
+    if (const auto name = read_error_name(text)) corrected.push_back(*name);
+  }
+  std::erase_if(out.errors, [&](const ErrorTerm& term) {
+    return std::find(corrected.begin(), corrected.end(), term.name) != corrected.end();
+  });
+  return out;
+}
+
+Machine as_believed(const Machine& machine) {
+  Machine out = machine;
+  out.errors.clear();
+  for (std::size_t i = 0; i < machine.control.axes.size() && i < out.axes.size(); ++i) {
+    Body& body = out.bodies[static_cast<std::size_t>(out.axes[i])];
+    const ControlAxis& axis = machine.control.axes[i];
+    if (axis.origin) body.origin = *axis.origin;
+    if (axis.direction) body.direction = *axis.direction;
+  }
+  return out;
+}
+
 }  // namespace abbe

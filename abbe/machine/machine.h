@@ -10,6 +10,7 @@
 #include "abbe/core/units.h"
 #include "abbe/errors/error_function.h"
 #include "abbe/errors/error_name.h"
+#include "abbe/machine/control_model.h"
 
 namespace abbe {
 
@@ -105,6 +106,7 @@ struct Machine {
   std::vector<Variable> variables;  ///< first one position per moving axis (same index), then the others used
   std::vector<ErrorTerm> errors;    ///< in file order
   Calibration calibration;
+  ControlModel control;
   std::string sha256;              ///< of machine file, errors file if given apart, and CSV tables
   std::vector<std::string> files;  ///< machine file, errors file, CSV files read
 
@@ -119,6 +121,12 @@ struct Machine {
   /// True if some error rotates a body, so that the tool's length matters.
   [[nodiscard]] bool has_angular_errors() const;
 };
+
+/// The machine as its control leaves it: without the errors that the control corrects itself.
+[[nodiscard]] Machine as_controlled(const Machine& machine);
+
+/// The machine as its control believes it to be: without errors, with the control's origins and directions.
+[[nodiscard]] Machine as_believed(const Machine& machine);
 
 /// Contract numbering: 0 = bed, then the tool branch from the bed outwards (the tool last), then the
 /// workpiece branch from the bed outwards (the workpiece last).

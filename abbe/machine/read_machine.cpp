@@ -9,6 +9,7 @@
 #include "abbe/core/file.h"
 #include "abbe/machine/axis_section.h"
 #include "abbe/machine/chain_text.h"
+#include "abbe/machine/control_section.h"
 #include "abbe/machine/csv_tables.h"
 #include "abbe/machine/error_section.h"
 #include "abbe/machine/function_reader.h"
@@ -24,7 +25,7 @@ constexpr std::size_t kLargestMachineFile = std::size_t{1} << 24;
 constexpr std::size_t kLargestCsvFile = std::size_t{1} << 26;
 
 const std::vector<std::string> kMachineTables{"format",    "machine",     "units",  "axis",       "tool",
-                                              "workpiece", "calibration", "errors", "uncertainty"};
+                                              "workpiece", "calibration", "control",     "errors", "uncertainty"};
 const std::vector<std::string> kErrorTables{"format", "units", "calibration", "errors", "uncertainty"};
 
 std::optional<TomlNode> read_document(const MachineText& text, Findings& findings) {
@@ -145,6 +146,7 @@ Parsed<Machine> read_machine(const MachineText& machine_text, const std::optiona
       if (machine.bodies[i].axis >= 0) machine.axes.push_back(static_cast<int>(i));
     }
   }
+  if (root && chain) machine.control = read_control(*root, machine.bodies, machine.units, findings);
   if (root) machine.tool = read_tool(*root, machine.units, machine.bodies, findings);
 
   if (readable && chain) {
@@ -158,6 +160,7 @@ Parsed<Machine> read_machine(const MachineText& machine_text, const std::optiona
     machine.variables = variables.take();
     machine.files.insert(machine.files.end(), tables.files().begin(), tables.files().end());
     check_errors(machine, axes.notes, errors.notes, findings, error_findings);
+    check_corrected_errors(*root, machine, findings);
   }
 
   sort_by_place(out.diagnostics, machine.files);

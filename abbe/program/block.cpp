@@ -70,7 +70,7 @@ bool read_plain_word(std::string_view text, std::size_t& at, Block& block) {
   if (block.count == Block::kMaxWords) return false;
   double value = 0;
   int decimals = 0;
-  const char* const behind = read_plain_decimal(text.data() + at + 1, text.data() + text.size(), value, decimals);
+  const char* const behind = read_plain_decimal(text.data(), text.data() + at + 1, text.data() + text.size(), value, decimals);
   if (behind == nullptr) return false;
   const auto end = static_cast<std::size_t>(behind - text.data());
   const std::size_t next = end + (end < text.size() && text[end] == ' ' ? 1 : 0);

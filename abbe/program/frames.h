@@ -30,6 +30,8 @@ class Frames {
   [[nodiscard]] bool rotated() const { return sin_ != 0.0 || cos_ != 1.0; }
   [[nodiscard]] const Vec3& g92() const { return g92_; }
   [[nodiscard]] const Vec3& tool_offset() const { return tlo_; }
+  /// Where A B C are zero, rad: r = word + this.
+  [[nodiscard]] std::array<double, 3> turn_offset() const { return known() ? work_[static_cast<std::size_t>(active_)]->turns : std::array<double, 3>{}; }
   /// g5x + tlo: where the tool stands at the origin of the work offset.
   [[nodiscard]] const Vec3& datum_point() const { return origin_; }
 

@@ -38,8 +38,9 @@ constexpr std::array<Group, 1000> kGroupOf = make_groups();
 
 constexpr std::uint32_t bit(char letter) { return 1u << (letter - 'A'); }
 constexpr std::uint32_t kAxisBits = bit('X') | bit('Y') | bit('Z');
+constexpr std::uint32_t kTurnBits = bit('A') | bit('B') | bit('C');
 constexpr std::uint32_t kCentreBits = bit('I') | bit('J') | bit('K');
-constexpr std::uint32_t kValueBits = kAxisBits | kCentreBits | bit('R') | bit('P') | bit('Q') | bit('L') | bit('F') |
+constexpr std::uint32_t kValueBits = kAxisBits | kTurnBits | kCentreBits | bit('R') | bit('P') | bit('Q') | bit('L') | bit('F') |
                                      bit('S') | bit('T') | bit('H') | bit('D') | bit('E') | bit('N');
 
 /// Refusals of codes that users meet, with what to do.
@@ -60,7 +61,8 @@ constexpr Advice kAdvice[] = {
     {432, 432, "E-GCODE", "added tool offsets are not tracked", "use G43 H or G43.1"},
     {70, 70, "E-GCODE", "lathe diameters count twice", "lathe programs are not covered"},
     {680, 683, "E-FRAME", "a rotated or tilted frame is not part of the LinuxCNC dialect", "post in the machine's frame"},
-    {434, 435, "E-GCODE", "tool centre point control is not part of the LinuxCNC dialect", "post for three axes"},
+    {434, 435, "E-TCP", "the machine file does not say that this code switches tool centre point control",
+     "declare it: [control] codes = { \"G43.4\" = \"tcp\", \"G49\" = \"axis\" }"},
 };
 
 void refuse(ProgramFindings& findings, std::uint64_t line, const Block& block, const Word& word, const char* code,
@@ -80,10 +82,24 @@ std::optional<int> scaled(double value, double factor, int limit) {
   return static_cast<int>(n);
 }
 
-bool note_g(const Block& block, const Word& word, std::uint64_t line, ProgramFindings& findings, Instruction& out,
-            std::array<bool, kGroups>& seen) {
+/// Notes a code that switches tool centre point control; false: it is none.
+bool note_tcp(const ModalState& state, char letter, std::optional<int> code, Instruction& out) {
+  for (const TcpCode& known : state.tcp_codes) {
+    if (!code || known.letter != letter || known.code != *code) continue;
+    out.tcp = known.on ? 1 : 0;
+    return true;
+  }
+  return false;
+}
+
+bool note_g(const Block& block, const Word& word, const ModalState& state, std::uint64_t line, ProgramFindings& findings,
+            Instruction& out, std::array<bool, kGroups>& seen) {
   const auto code = scaled(word.value, 10, 1000);
-  const Group group = code ? kGroupOf[static_cast<std::size_t>(*code)] : unknown;
+  const bool switches = note_tcp(state, 'G', code, out);
+  // G43.4 H applies a tool length like G43
+  const bool tcp_length = switches && *code == 434;
+  const Group group = tcp_length ? tool_length : code ? kGroupOf[static_cast<std::size_t>(*code)] : unknown;
+  if (switches && group == unknown) return true;
   if (group == unknown) {
     for (const auto& advice : kAdvice) {
       if (code && *code >= advice.from && *code <= advice.to) {
@@ -113,7 +129,7 @@ bool note_g(const Block& block, const Word& word, std::uint64_t line, ProgramFin
     case arc_distance: out.arc_distance = *code; break;
     case feed_mode: out.feed_mode = *code; break;
     case units: out.units = *code; break;
-    case tool_length: out.tool_length = *code; break;
+    case tool_length: out.tool_length = tcp_length ? 430 : *code; break;
     case retract: out.retract = *code; break;
     case wcs: out.wcs = *code; break;
     default: break;
@@ -121,7 +137,9 @@ bool note_g(const Block& block, const Word& word, std::uint64_t line, ProgramFin
   return true;
 }
 
-bool note_m(const Block& block, const Word& word, std::uint64_t line, ProgramFindings& findings, Instruction& out) {
+bool note_m(const Block& block, const Word& word, const ModalState& state, std::uint64_t line, ProgramFindings& findings,
+            Instruction& out) {
+  if (note_tcp(state, 'M', scaled(word.value, 10, 10000), out)) return true;
   const auto code = scaled(word.value, 1, 1000);
   const int m = code.value_or(-1);
   const bool known = m == 0 || m == 1 || m == 2 || m == 30 || m == 60 || (m >= 3 && m <= 9) || m == 19 ||
@@ -150,13 +168,14 @@ std::uint32_t used_letters(const Instruction& in, const Block& block) {
   switch (in.zero) {
     case 40: used |= bit('P'); break;
     case 100: used |= bit('L') | bit('P') | bit('R') | kAxisBits; break;
-    case 280: case 300: case 520: case 530: case 920: used |= kAxisBits; break;
+    case 280: case 300: case 530: used |= kAxisBits | kTurnBits; break;
+    case 520: case 920: used |= kAxisBits; break;
     default: break;
   }
   if (in.tool_length == 430) used |= bit('H');
   if (in.tool_length == 431) used |= kAxisBits;
-  if (in.motion == 0 || in.motion == 10) used |= kAxisBits;
-  if (is_arc(in.motion)) used |= kAxisBits | kCentreBits | bit('R') | bit('P');
+  if (in.motion == 0 || in.motion == 10) used |= kAxisBits | kTurnBits;
+  if (is_arc(in.motion)) used |= kAxisBits | kTurnBits | kCentreBits | bit('R') | bit('P');
   if (is_cycle(in.motion)) used |= kAxisBits | bit('R') | bit('L');
   if (in.motion == 730 || in.motion == 830) used |= bit('Q');
   if (in.motion == 740 || in.motion == 820 || in.motion == 840 || in.motion == 860 || in.motion == 890) used |= bit('P');
@@ -180,7 +199,6 @@ bool axis_words_taken(GCode zero_code) {
 }
 
 const char* letter_code(char letter) {
-  if (letter == 'A' || letter == 'B' || letter == 'C') return "E-ROTARY";
   if (letter == 'U' || letter == 'V' || letter == 'W') return "E-AXIS";
   return letter == 'O' ? "E-OWORD" : "E-WORD";
 }
@@ -188,12 +206,9 @@ const char* letter_code(char letter) {
 void refuse_letter(ProgramFindings& findings, std::uint64_t line, const Block& block, const Word& word) {
   const char* code = letter_code(word.letter);
   const std::string_view kind = code;
-  if (kind == "E-ROTARY") {
-    refuse(findings, line, block, word, code, spelled(block, word) + ": rotary words are not compensated",
-           "the correction depends on where the rotary axes stand and how the control turns them", "compensate three-axis programs only");
-  } else if (kind == "E-AXIS") {
-    refuse(findings, line, block, word, code, spelled(block, word) + ": only X Y Z are compensated",
-           "a further axis moves the tool in a way that is not followed", "post for X Y Z");
+  if (kind == "E-AXIS") {
+    refuse(findings, line, block, word, code, spelled(block, word) + ": only X Y Z and A B C are compensated",
+           "a further axis moves the tool in a way that is not followed", "post for X Y Z and A B C");
   } else if (kind == "E-OWORD") {
     refuse(findings, line, block, word, code, spelled(block, word) + ": subprograms and flow control are not followed",
            "where the axes go depends on how the program runs", "post the program without loops and calls");
@@ -207,20 +222,25 @@ void refuse_letter(ProgramFindings& findings, std::uint64_t line, const Block& b
 
 namespace {
 
-/// Most blocks: a line or rapid in force, its axes, perhaps a feed. False: `out` is as it was.
+constexpr Instruction nothing() {
+  Instruction instruction;
+  for (auto& index : instruction.word) index = -1;
+  return instruction;
+}
+constexpr Instruction kNothing = nothing();
+
+/// Most blocks: a line or rapid in force, its axes, perhaps a feed. False: `out` means nothing.
 bool is_plain_line(const Block& block, const ModalState& state, Instruction& out) {
-  if ((state.motion != 0 && state.motion != 10) || block.count == 0) return false;
+  if (state.motion != 0 && state.motion != 10) return false;
+  out = kNothing;
   std::uint32_t present = 0;
   for (int i = 0; i < block.count; ++i) {
-    const std::uint32_t word = bit(block.words[static_cast<std::size_t>(i)].letter);
-    if ((word & (kAxisBits | bit('F'))) == 0 || (word & present) != 0) return false;
-    present |= word;
+    const char letter = block.words[static_cast<std::size_t>(i)].letter;
+    if ((bit(letter) & (kAxisBits | bit('F')) & ~present) == 0) return false;
+    present |= bit(letter);
+    out.word[static_cast<std::size_t>(letter - 'A')] = static_cast<std::int8_t>(i);
   }
   if ((present & kAxisBits) == 0) return false;
-  for (int i = 0; i < block.count; ++i) {
-    const Word& word = block.words[static_cast<std::size_t>(i)];
-    out.word[static_cast<std::size_t>(word.letter - 'A')] = static_cast<std::int8_t>(i);
-  }
   out.moves_axes = out.plain = true;
   out.motion = state.motion;
   return true;
@@ -232,18 +252,17 @@ bool stops_after_motion(int m_code) { return m_code <= 2 || m_code == 30 || m_co
 
 bool read_instruction(const Block& block, const ModalState& state, std::uint64_t line, ProgramFindings& findings,
                       Instruction& out) {
-  out = Instruction{};
-  out.word.fill(-1);
   if (is_plain_line(block, state, out)) return true;
+  out = kNothing;
   std::array<bool, kGroups> seen{};
   bool good = true;
   std::uint32_t present = 0;
   for (int i = 0; i < block.count; ++i) {
     const Word& word = block.words[static_cast<std::size_t>(i)];
     if (word.letter == 'G') {
-      good = note_g(block, word, line, findings, out, seen) && good;
+      good = note_g(block, word, state, line, findings, out, seen) && good;
     } else if (word.letter == 'M') {
-      good = note_m(block, word, line, findings, out) && good;
+      good = note_m(block, word, state, line, findings, out) && good;
     } else if (!(kValueBits & bit(word.letter))) {
       refuse_letter(findings, line, block, word);
       good = false;
@@ -257,7 +276,8 @@ bool read_instruction(const Block& block, const ModalState& state, std::uint64_t
     }
   }
   if (!good) return false;
-  out.moves_axes = (present & kAxisBits) != 0;
+  out.turns_axes = (present & kTurnBits) != 0;
+  out.moves_axes = out.turns_axes || (present & kAxisBits) != 0;
   const bool taken = axis_words_taken(out.zero) || out.tool_length == 431;
   const auto whole_block = [&](const char* code, std::string message, const char* why, const char* fix) {
     findings.add(Severity::error, code, line, block.text, block.count > 0 ? block.words[0].begin : 0, block.text.size(),

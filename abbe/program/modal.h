@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 
+#include "abbe/machine/control_model.h"
 #include "abbe/program/block.h"
 #include "abbe/program/program_findings.h"
 
@@ -33,6 +35,7 @@ struct ModalState {
   bool retract_to_r = true;    ///< G99; so LinuxCNC starts
   double feed = 0;             ///< F in program units
   bool has_feed = false;       ///< F given since the feed mode changed
+  std::span<const TcpCode> tcp_codes{};  ///< codes of this control that switch tool centre point control
   [[nodiscard]] double unit() const { return inch ? 25.4 : 1.0; }
 };
 
@@ -42,7 +45,9 @@ struct Instruction {
   bool states_motion = false;  ///< the code is written in this block
   GCode zero = -1;             ///< group 0: G4 G10 G28 G30 G52 G53 G92 ..
   std::array<std::int8_t, 26> word{};  ///< index of each value word by letter, -1 = absent
-  bool moves_axes = false;     ///< X, Y or Z is written
+  bool moves_axes = false;     ///< X, Y, Z or A, B, C is written
+  bool turns_axes = false;     ///< A, B or C is written
+  std::int8_t tcp = -1;        ///< 1, 0: tool centre point control is switched on, off
   bool plain = false;          ///< X Y Z and F only: a line or rapid that was in force
   GCode wcs = -1, tool_length = -1, plane = -1, units = -1, distance = -1, arc_distance = -1, feed_mode = -1, retract = -1;
   bool tool_change = false;    ///< M6

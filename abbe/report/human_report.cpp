@@ -36,6 +36,10 @@ std::string signed_um(const Vec3& v) {
 std::string verify_text(const ProgramReport& report, const VerifyReport& verify) {
   std::string text = line("before", deviation_text(verify.before));
   text += line("after", deviation_text(verify.after));
+  if (verify.direction_before > 0) {
+    text += line("tool axis", fmt::format("at most {:.1f} urad askew before, {:.1f} urad after, while rotary axes turn",
+                                          verify.direction_before / urad, verify.direction_after / urad));
+  }
   text += line("allowed", fmt::format("{} um ({} um tolerance, {} um for the digits of the program)",
                                       length_um(verify.allowed), length_um(report.tolerance),
                                       length_um(verify.quantisation)));
@@ -66,6 +70,10 @@ std::string rewrite_text(const RewriteReport& rewrite) {
   }
   text +=
       line("corrections", fmt::format("{}; steepest {:.0f} um/m", most, rewrite.max_gradient / um * metre));
+  if (rewrite.held_blocks > 0) {
+    text += line("held", fmt::format("in {} blocks a rotary axis stays near a singularity, where it would turn too far for a correction",
+                                     rewrite.held_blocks));
+  }
   if (rewrite.cycle_residual > 0) {
     text += line("cycles",
                  fmt::format("inside drilling cycles up to {} um remain", length_um(rewrite.cycle_residual)));

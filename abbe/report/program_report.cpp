@@ -218,6 +218,8 @@ std::string json_report(const ProgramReport& report) {
     write_deviation(json, "after", verify.after);
     json.member("quantisation_um", verify.quantisation / um).member("tolerance_um", report.tolerance / um);
     json.member("allowed_um", verify.allowed / um).member("lost_motion_um", verify.lost_motion / um);
+    json.key("tool_axis").begin_object(Layout::one_line);
+    json.member("before_max_urad", verify.direction_before / urad).member("after_max_urad", verify.direction_after / urad).end();
     json.key("compared").begin_object(Layout::one_line);
     json.member("feed_motions", verify.feed_motions).member("rapid_motions", verify.rapid_motions);
     json.member("points", verify.points)
@@ -235,7 +237,8 @@ std::string json_report(const ProgramReport& report) {
     const RewriteReport& rewrite = *report.rewrite;
     json.key("blocks").begin_object(Layout::one_line);
     json.member("motion", rewrite.blocks.motion).member("rewritten", rewrite.blocks.rewritten);
-    json.member("split", rewrite.blocks.split).member("passed", rewrite.blocks.passed).end();
+    json.member("split", rewrite.blocks.split).member("passed", rewrite.blocks.passed);
+    json.member("held", rewrite.held_blocks).end();
     json.key("arcs")
         .begin_object(Layout::one_line)
         .member("in", rewrite.arcs_in)

@@ -11,6 +11,7 @@ namespace abbe {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
+constexpr double kNone = -2;  // less than any correlation coefficient
 
 Samples without_mean(std::span<const double> y) {
   const double mean = std::accumulate(y.begin(), y.end(), 0.0) / static_cast<double>(y.size());
@@ -58,7 +59,7 @@ Samples correlate(const Samples& a, const Samples& b) {
   return product;
 }
 
-/// r(l) of the overlap, from sums; -2 where one of the two does not vary there.
+/// r(l) of the overlap, from sums; kNone where one of the two does not vary there.
 class Coefficients {
  public:
   Coefficients(const Samples& a, const Samples& b)
@@ -78,7 +79,7 @@ class Coefficients {
     // n cov = sum a b - sum a sum b / n, and so the variances
     const double var_a = part(a_.square, from, to) - sum_a * sum_a / count;
     const double var_b = part(b_.square, from + lag, to + lag) - sum_b * sum_b / count;
-    if (var_a <= kFlat * count || var_b <= kFlat * count) return -2;
+    if (var_a <= kFlat * count || var_b <= kFlat * count) return kNone;
     const auto length = static_cast<std::ptrdiff_t>(products_.size());
     const double product = products_[static_cast<std::size_t>((lag + length) % length)];
     return (product - sum_a * sum_b / count) / std::sqrt(var_a * var_b);
@@ -95,6 +96,23 @@ class Coefficients {
   RunningSums a_, b_;
   std::size_t n_, m_;
 };
+
+constexpr double kEquallyGood = 1e-3;
+
+/// The peak closest to `zero` among those as high as the highest, for records that repeat themselves.
+std::size_t smallest_of_best(const Samples& r, std::size_t zero) {
+  const double top = *std::max_element(r.begin(), r.end());
+  const auto value = [&](std::size_t i) { return i < r.size() ? r[i] : kNone; };
+  const auto is_peak = [&](std::size_t i) {
+    return value(i) >= top - kEquallyGood && value(i) >= value(i + 1) &&
+           value(i) >= (i > 0 ? r[i - 1] : kNone);
+  };
+  for (std::size_t away = 0; away < r.size(); ++away) {
+    if (zero + away < r.size() && is_peak(zero + away)) return zero + away;
+    if (away <= zero && zero - away < r.size() && is_peak(zero - away)) return zero - away;
+  }
+  return static_cast<std::size_t>(std::max_element(r.begin(), r.end()) - r.begin());
+}
 
 /// The largest range [begin, end) in which the record rises strictly.
 std::pair<std::size_t, std::size_t> longest_rise(const Samples& angle) {
@@ -149,16 +167,12 @@ SignalResult<Delay> find_delay(std::span<const double> a, std::span<const double
     return static_cast<std::ptrdiff_t>(options.most == 0 ? size : std::min(options.most, size));
   };
   const auto allowed = [&](std::ptrdiff_t lag) { return r.overlap(lag) >= least; };
-  std::ptrdiff_t best = 0;
-  double coefficient = -2;
-  for (std::ptrdiff_t lag = -bound(a.size()); lag <= bound(b.size()); ++lag) {
-    if (!allowed(lag)) continue;
-    const double here = r.at(lag);
-    if (here > coefficient) {
-      coefficient = here;
-      best = lag;
-    }
-  }
+  const std::ptrdiff_t from = -bound(a.size()), to = bound(b.size());
+  Samples by_lag;
+  for (std::ptrdiff_t lag = from; lag <= to; ++lag) by_lag.push_back(allowed(lag) ? r.at(lag) : kNone);
+  const std::size_t chosen = smallest_of_best(by_lag, static_cast<std::size_t>(-from));
+  const std::ptrdiff_t best = from + static_cast<std::ptrdiff_t>(chosen);
+  const double coefficient = by_lag[chosen];
   if (coefficient < -1.5) return SignalProblem::constant;
   Delay delay = {static_cast<double>(best), std::clamp(coefficient, -1.0, 1.0)};
   if (allowed(best - 1) && allowed(best + 1)) {

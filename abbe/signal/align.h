@@ -11,6 +11,9 @@ namespace abbe {
 /// part where both overlap:
 ///
 ///   r(l) = cov(a_i, b_{i+l}) / sqrt(var a var b),   delay = the l of the largest r, refined by a parabola
+///
+/// Records that repeat themselves have several peaks: of those within 1e-3 of the highest the smallest delay
+/// counts.
 struct Delay {
   double samples = 0;      ///< > 0: b is behind a, b(t) is like a(t - delay)
   double coefficient = 0;  ///< r there, -1 to 1: close to 1 if the records really are alike

@@ -16,7 +16,7 @@ bool refuse(Fault& fault, std::size_t column, std::size_t length, const char* co
 }
 
 constexpr Letters kValueLetters =
-    letters('N', 'T', 'S', 'F', 'D', 'H', 'L', 'P', 'Q', 'R', 'X', 'Y', 'Z', 'I', 'J', 'K');
+    letters('N', 'T', 'S', 'F', 'D', 'H', 'L', 'P', 'Q', 'R', 'X', 'Y', 'Z', 'I', 'J', 'K', 'A', 'B', 'C');
 
 constexpr Letters kPlainLetters = kValueLetters & ~letters('N');
 
@@ -169,7 +169,8 @@ Decimal read_spaced_decimal(std::string_view text) {
 
 class Scanner {
  public:
-  Scanner(std::string_view line, Block& block, Fault& fault) : line_(line), block_(block), fault_(fault) {}
+  Scanner(std::string_view line, Block& block, Fault& fault, std::span<const TcpCode> tcp_codes)
+      : line_(line), block_(block), fault_(fault), tcp_codes_(tcp_codes) {}
 
   bool scan() {
     skip_blanks();
@@ -250,7 +251,7 @@ class Scanner {
       if (letter >= 26 || (kPlainLetters & ~words & (Letters{1} << letter)) == 0) break;
       double number = 0;
       int decimals = 0;
-      const char* next = read_plain_decimal(p + 1, end, number, decimals);
+      const char* next = read_plain_decimal(begin, p + 1, end, number, decimals);
       if (next == nullptr) break;
       if (next != end && *next == ' ') ++next;
       const bool ends = next == end || static_cast<unsigned>(*next) - 'A' < 26;
@@ -307,7 +308,10 @@ class Scanner {
   bool g_word(double value, std::size_t column) {
     int code = -1;
     if (!whole(value * 10, code)) code = -1;
+    const bool switches = tcp_switch('G', code);
+    if (switches && code == 434) code = 430;  // G43.4 H applies the tool length as G43 does
     const int group = g_group(code);
+    if (switches && group < 0) return true;
     const std::size_t length = at_ + 1 - column;
     if (group < 0) {
       if (code == 410 || code == 411 || code == 420 || code == 421)
@@ -334,9 +338,22 @@ class Scanner {
     return true;
   }
 
+  /// Notes a code that switches tool centre point control; false: it is none.
+  bool tcp_switch(char letter, int code) {
+    for (const TcpCode& known : tcp_codes_) {
+      if (known.letter != letter || known.code != code) continue;
+      block_.tcp_letter = letter;
+      block_.tcp_code = code;
+      block_.tcp = known.on;
+      return true;
+    }
+    return false;
+  }
+
   bool m_word(double value, std::size_t column) {
     int code = -1;
     if (!whole(value, code)) code = -1;
+    if (tcp_switch('M', 10 * code)) return true;
     const int group = m_group(code);
     const std::size_t length = at_ + 1 - column;
     if (group < 0)
@@ -358,13 +375,9 @@ class Scanner {
     const std::size_t length = at_ + 1 - column;
     const Letters bit = letter_bit(letter);
     if ((kValueLetters & bit) == 0) {
-      if (letter == 'A' || letter == 'B' || letter == 'C')
-        return refuse(fault_, column, length, "E-ROTARY", fmt::format("rotary word {}", letter),
-                      "programs with rotary motion are not compensated",
-                      "compensate the 3-axis parts of the program apart");
       if (letter == 'U' || letter == 'V' || letter == 'W')
         return refuse(fault_, column, length, "E-AXIS", fmt::format("secondary axis word {}", letter),
-                      "only X Y Z are compensated in programs", "program with X Y Z only");
+                      "only X Y Z and A B C are compensated in programs", "program without it");
       return refuse(fault_, column, length, "E-WORD", fmt::format("word {} is not understood", letter),
                     "an unknown word may change what the block does", "remove it");
     }
@@ -383,22 +396,24 @@ class Scanner {
   std::string_view line_;
   Block& block_;
   Fault& fault_;
+  std::span<const TcpCode> tcp_codes_;
   std::size_t at_ = 0;
 };
 
 }  // namespace
 
-bool read_block(std::string_view line, Block& block, Fault& fault) {
+bool read_block(std::string_view line, Block& block, Fault& fault, std::span<const TcpCode> tcp_codes) {
   block.words = 0;
   block.g_groups = 0;
   block.m_groups = 0;
+  block.tcp_code = -1;
   block.deletable = false;
   block.comment_count = 0;
   if (line.size() > kMaxBlockLength)
     return refuse(fault, kMaxBlockLength + 1, 1, "E-LINELEN",
                   fmt::format("the line has {} bytes, the control reads {}", line.size(), kMaxBlockLength),
                   "LinuxCNC stops at longer lines", "shorten the line");
-  return Scanner(line, block, fault).scan();
+  return Scanner(line, block, fault, tcp_codes).scan();
 }
 
 }  // namespace abbe::verifying

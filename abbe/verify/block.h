@@ -3,8 +3,11 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
+
+#include "abbe/machine/control_model.h"
 
 namespace abbe::verifying {
 
@@ -46,6 +49,9 @@ struct Block {
   std::uint32_t m_groups = 0;
   std::array<std::int16_t, kMGroups> m;
   std::array<std::uint8_t, kMGroups> m_column;
+  int tcp_code = -1;       ///< 10 times the number of a code that switches tool centre point control
+  char tcp_letter = 'G';
+  bool tcp = false;        ///< on or off
   bool deletable = false;  ///< starts with '/'
   int comment_count = 0;
   std::array<std::string_view, kMaxComments> comments;  ///< with their delimiters
@@ -66,10 +72,11 @@ struct Block {
 
 /// Splits one line (without its end of line) into words. Every byte is part of a known word, a comment or
 /// blank, or the block is refused.
-/// errors   false with `fault` filled: E-CHAR E-COMMENT E-LINELEN E-OWORD E-EXPR E-NUMBER E-WORD E-ROTARY
+/// errors   false with `fault` filled: E-CHAR E-COMMENT E-LINELEN E-OWORD E-EXPR E-NUMBER E-WORD
 /// E-AXIS
 ///          E-GCODE E-MCODE E-CUTCOM E-BLOCK
 /// cost     about 10 ns per word, no allocation unless refused
-[[nodiscard]] bool read_block(std::string_view line, Block& block, Fault& fault);
+/// `tcp_codes`: codes of this control that switch tool centre point control.
+[[nodiscard]] bool read_block(std::string_view line, Block& block, Fault& fault, std::span<const TcpCode> tcp_codes = {});
 
 }  // namespace abbe::verifying

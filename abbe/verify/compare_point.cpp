@@ -1,6 +1,7 @@
 // Motions of which points count: rapids, moves in machine coordinates, moves home, canned cycles.
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
@@ -17,7 +18,9 @@ constexpr double kMaxSamples = 1e5;    // of one cycle block
 Axes bit(int axis) { return Axes{1} << axis; }
 
 bool same_words(const Motion& a, const Motion& b) {
-  return a.named == b.named && a.incremental == b.incremental &&
+  for (std::size_t k = 0; k < 3; ++k)
+    if ((a.named_turns >> k & 1) != 0 && !(std::abs(a.turn_words[k] - b.turn_words[k]) <= kSameWord)) return false;
+  return a.named == b.named && a.named_turns == b.named_turns && a.incremental == b.incremental &&
          (a.words - b.words).cwiseAbs().maxCoeff() <= kSameWord;
 }
 
@@ -59,6 +62,17 @@ void Comparison::compare_rapid(const Motion& original, const Motion& output) {
     disagree("V-END", fmt::format("the rapid ends {:.3f} um from its target, {:.3f} um are allowed",
                                   distance / um, allowed / um));
   check_reach(original.end.at, output.end.at);
+  if (original.turns()) {
+    const Vec3 axis = model_.nominal_pose(original.end.at).tool_axis;
+    const auto angle = [&](const Vec3& other) { return std::atan2(axis.cross(other).norm(), axis.dot(other)); };
+    const double after = angle(model_.actual_pose(output.end.at, nullptr).tool_axis);
+    const Turns output_turns = output_turns_;
+    if (!stand(original.turns_end, original.turns_end)) return;
+    const double before = angle(model_.actual_pose(original.end.at, nullptr).tool_axis);
+    if (!stand(original.turns_end, output_turns)) return;
+    check_direction(original, after, before);
+    standing_direction_ = before;
+  }
   if (!samples_.wants_next()) return samples_.skip();
   keep_sample(target - datum_, model_.actual(original.end.at, approach_, nullptr) - target, deviation, true);
 }
@@ -96,15 +110,20 @@ bool Comparison::check_withheld(const Motion& original, const Motion& output) {
   return true;
 }
 
+std::string travel_message(int axis, double at) {
+  return axis < 3 ? fmt::format("{} leaves its travel: {:.4f} mm", "XYZ"[axis], at)
+                  : fmt::format("{} leaves its travel: {:.4f} deg", "ABC"[axis - 3], at / deg);
+}
+
 void Comparison::check_reach(const Vec3& original, const Vec3& output) {
-  const double moved = (output - original).norm();
+  const double moved = (model_.axes_of(output) - model_.original_axes_of(original)).norm();
   if (!(moved <= job_.max_correction + quantum()))
     disagree("V-LIMIT",
              fmt::format("the commanded point is {:.1f} um from the original's, {:.1f} um are allowed",
                          moved / um, job_.max_correction / um));
-  if (const int axis = model_.beyond_travel(output); axis >= 0)
-    disagree("V-TRAVEL",
-             fmt::format("{} leaves its travel: {:.4f} mm", static_cast<char>('X' + axis), output[axis]));
+  double at = 0;
+  if (const int axis = model_.beyond_travel(output, &at); axis >= 0)
+    disagree("V-TRAVEL", travel_message(axis, at));
 }
 
 void Comparison::compare_cycle(const Motion& original, const Motion& output) {

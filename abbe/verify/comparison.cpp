@@ -27,6 +27,8 @@ const char* why_of(std::string_view code) {
   if (code == "V-FRAME") return "every later position would be off by the difference";
   if (code == "V-LIMIT")
     return "a correction this large is more likely a mistake than an error of the machine";
+  if (code == "V-AXIS") return "a rotary axis that turns otherwise moves the tool through the part";
+  if (code == "V-DIRECTION") return "the tool would stand more askew than without compensation";
   if (code == "V-VOL") return "the errors are not known there, so the correction is a guess";
   if (code == "V-TRAVEL") return "the control would stop there";
   return "the output must do everything that the original does, in the same order";
@@ -92,6 +94,7 @@ Comparison::Comparison(const VerifyJob& job, TipModel& model, ProgramReader& ori
       original_(original),
       output_(output),
       report_(report),
+      output_turns_(job.setup.start_turns),
       samples_(job.samples) {}
 
 void Comparison::run(const KeepGoing& keep_going) {
@@ -111,7 +114,7 @@ void Comparison::run(const KeepGoing& keep_going) {
         compare_motion();
         break;
       case Item::end:
-        switch (output_.next()) {
+        switch (pull()) {
           case Item::refused:
             return refused(output_);
           case Item::end:
@@ -134,7 +137,13 @@ void Comparison::finish() {
 
 void Comparison::compare_event() {
   const Event& expected = original_.event();
-  const Item item = output_.next();
+  if (timed_ && expected.kind == EventKind::feed) return;  // held against the output's in end_timed()
+  Item item = pull();
+  if (item == Item::event && begins_timed(output_.event()) && !same_kind(expected, output_.event())) {
+    timed_ = true;
+    if (expected.kind == EventKind::feed) return;
+    item = pull();
+  }
   if (item != Item::event || !same_kind(expected, output_.event())) return explain_disorder(item, &expected);
   const Event& found = output_.event();
   ++report_.events;
@@ -150,6 +159,22 @@ void Comparison::compare_event() {
   }
   if (expected.kind == EventKind::m_code && (expected.code == 6 || expected.code == 61))
     context_changed_ = true;
+}
+
+/// G93 that the original does not have: the output states the time of the turning motion that follows.
+bool Comparison::begins_timed(const Event& found) const {
+  constexpr int inverse_time = 930;
+  return !timed_ && found.kind == EventKind::g_code && found.code == inverse_time;
+}
+
+/// Behind such a motion the output must restore feed mode and feed of the original.
+void Comparison::end_timed(const Motion& original) {
+  constexpr int per_minute = 940;
+  timed_ = false;
+  const bool mode = pull() == Item::event && output_.event().kind == EventKind::g_code && output_.event().code == per_minute;
+  const bool feed = mode && pull() == Item::event && output_.event().kind == EventKind::feed &&
+                    output_.event().values[0] == original.feed;
+  if (!feed) disagree_and_stop("V-FEED", fmt::format("G94 F{:g} is not restored behind a motion in inverse time", original.feed));
 }
 
 void Comparison::compare_frames() {
@@ -179,10 +204,14 @@ void Comparison::compare_frames() {
 void Comparison::compare_motion() {
   const Motion& expected = original_.motion();
   if (context_changed_) update_context();
-  if (stop_) return;
-  if (expected.feeds() && !expected.machine_words) return cover(expected);
+  if (stop_ || !stand(expected.turns_end, output_turns_)) return;
+  if (timed_ && !(expected.kind == MotionKind::line && expected.turns() && expected.feed_mode == 940))
+    return disagree_and_stop("V-FEED", "G93 in the output for a motion that needs no time of its own");
+  if (expected.feeds() && !expected.machine_words) return expected.turns() ? cover_turning(expected) : cover(expected);
   if (!pull_motion()) return;
   const Motion& found = output_.motion();
+  output_turns_ = found.turns_end;
+  if (!stand(expected.turns_end, output_turns_) || !check_turns(expected, found)) return;
   if (expected.kind != found.kind || expected.machine_words != found.machine_words ||
       expected.code != found.code) {
     if (expected.kind == MotionKind::cycle || found.kind == MotionKind::cycle)
@@ -210,8 +239,14 @@ void Comparison::compare_motion() {
   }
 }
 
-bool Comparison::pull_motion() {
+ProgramReader::Item Comparison::pull() {
   const Item item = output_.next();
+  if (const auto places = output_.ahead(); !places.empty()) model_.look_ahead(places, approach_);
+  return item;
+}
+
+bool Comparison::pull_motion() {
+  const Item item = pull();
   if (item == Item::motion) return true;
   explain_disorder(item, nullptr);
   return false;
@@ -235,7 +270,7 @@ void Comparison::explain_disorder(Item found, const Event* expected) {
   disagree_and_stop("V-EVENT", fmt::format("expected {}, found {}", wanted, here));
   // Is the event there, but later? Its text does not outlive the line of the original, which stays.
   for (int i = 0; i < kLookAhead; ++i) {
-    const Item item = output_.next();
+    const Item item = pull();
     if (item == Item::end || item == Item::refused) return;
     if (item != Item::event || !same_kind(*expected, output_.event()) ||
         !same_values(*expected, output_.event()))
@@ -286,14 +321,26 @@ void Comparison::update_context() {
   if (job_.datum != DatumRule::probed) return;
   const Frames& frames = original_.frames();
   if (frames.system().defined != kAllAxes) return;
-  // D0 = actual(m0) - nominal(m0) at the work-offset origin
+  // D0 = actual(m0) - nominal(m0) at the work-offset origin, rotary axes at zero
   const Vec3 origin = frames.system().origin + frames.tool_offset;
+  model_.stand({{}, {}, false, 0});
   datum_ = model_.actual(origin, Approach{}, nullptr) - model_.nominal(origin);
   const DatumShift shift{frame_name(frames.active), tool.value_or(-1), datum_};
   const bool known = std::any_of(report_.datums.begin(), report_.datums.end(), [&](const DatumShift& other) {
     return other.frame == shift.frame && other.tool == shift.tool && other.removed == shift.removed;
   });
   if (!known && report_.datums.size() < kMaxDatums) report_.datums.push_back(shift);
+}
+
+/// Where the rotary axes of both programs stand from now on. False: the tip cannot be followed there (reported).
+bool Comparison::stand(const Turns& original, const Turns& output) {
+  if (!model_.rotary().any()) return true;
+  const Stance stance{original, output, original_.tcp(), original_.frames().tool_offset.z()};
+  if (stance == model_.stance()) return true;
+  reached_.valid = false;
+  if (model_.stand(stance)) return true;
+  disagree_and_stop("V-AXIS", "with the rotary axes at these positions the linear axes cannot follow the tip");
+  return false;
 }
 
 /// sqrt(3) half digits: each coordinate is rounded by at most half a digit.

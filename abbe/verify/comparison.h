@@ -12,6 +12,9 @@
 
 namespace abbe::verifying {
 
+/// "Z leaves its travel: 12.3456 mm"; axes 0 1 2 = X Y Z (mm), 3 4 5 = A B C (rad).
+[[nodiscard]] std::string travel_message(int axis, double at);
+
 /// Walks through original and output in lockstep and writes what differs into a report
 /// (docs/theory/verification.md). One comparison per pair of readers.
 class Comparison {
@@ -33,6 +36,7 @@ class Comparison {
   void compare_event();
   void compare_frames();
   void compare_motion();
+  Item pull();         ///< the output's next item
   bool pull_motion();  ///< the output's next item must be a motion
   void explain_disorder(Item found, const Event* expected);
   void disagree(const char* code, std::string message);
@@ -66,6 +70,23 @@ class Comparison {
   void account(Cover& cover, const Motion& piece, double t, const Vec3& command, const Vec3& tip);
   void conclude(Cover& cover);
 
+  // cover_turning.cpp: feed motions with rotary axes
+  struct TurnCover;
+  void cover_turning(const Motion& original);
+  bool turn_piece(TurnCover& cover, const Motion& piece);
+  void turn_sample(TurnCover& cover, const Motion& piece, double t);
+  void find_foot(TurnCover& cover, const Vec3& tip, const Turns& turns);
+  TipAndAxis meant(const TurnCover& cover, double s);
+  TipAndAxis done(const Motion& piece, double t);
+  void conclude_turning(TurnCover& cover);
+  void check_share(TurnCover& cover, const Motion& piece, double share, bool whole);
+  void check_turning_feed(const TurnCover& cover);
+  bool begins_timed(const Event& found) const;
+  void end_timed(const Motion& original);
+  bool stand(const Turns& original, const Turns& output);
+  bool check_turns(const Motion& original, const Motion& output);
+  void check_direction(const Motion& original, double after, double before);
+
   /// Tip at the start of a motion: mostly where the last one ended, and then already known.
   [[nodiscard]] Vec3 start_tip(const Vec3& command);
   [[nodiscard]] double quantum() const;  ///< allowance for the digits of a point, mm
@@ -92,6 +113,9 @@ class Comparison {
     Approach approach{};
   } reached_;             ///< end of the output's last motion
   double travelled_ = 0;  ///< feed path so far, mm
+  bool timed_ = false;    ///< the output has switched to G93 for a motion that the original feeds in G94
+  Turns output_turns_{};  ///< of the output after its last motion
+  double standing_direction_ = 0;  ///< direction error, before compensation, where the rotary axes last turned, rad
   DeviationTally before_, after_;
   SampleKeeper samples_;
 };

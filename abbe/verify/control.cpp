@@ -11,6 +11,7 @@ namespace abbe::verifying {
 namespace {
 
 constexpr Letters kAxisLetters = letters('X', 'Y', 'Z');
+constexpr Letters kTurnLetters = letters('A', 'B', 'C');
 constexpr Letters kCentreLetters = letters('I', 'J', 'K');
 constexpr int kNoMotion = 800;
 
@@ -18,11 +19,14 @@ bool is_cycle(int code) { return code >= 730 && code != kNoMotion; }
 
 }  // namespace
 
-Control::Control(const ControlSetup& setup)
+Control::Control(const ControlSetup& setup, const Rotary* rotary)
     : frames_(frames_of(setup)),
       tools_(setup.tools),
       tool_(setup.loaded_tool),
-      tool_change_keeps_place_(setup.tool_change_keeps_place) {
+      tool_change_keeps_place_(setup.tool_change_keeps_place),
+      rotary_(rotary),
+      turns_(setup.start_turns),
+      tcp_(rotary != nullptr && rotary->starts_with_tcp()) {
   for (std::size_t i = 0; i < 3; ++i) {
     if (!setup.start[i]) continue;
     m_.at[static_cast<Eigen::Index>(i)] = *setup.start[i];
@@ -80,12 +84,6 @@ Event& Control::add(EventKind kind, int code, Letters words) {
   return event;
 }
 
-Axes Control::named_axes() const {
-  return ((block_->words & letter_bit('X')) != 0 ? 1u : 0u) |
-         ((block_->words & letter_bit('Y')) != 0 ? 2u : 0u) |
-         ((block_->words & letter_bit('Z')) != 0 ? 4u : 0u);
-}
-
 bool Control::frame_known() {
   if (frames_.system().defined == kAllAxes) return true;
   const int i = frames_.active;
@@ -104,16 +102,25 @@ bool Control::execute(const Block& block, Fault& fault) {
   motion_code_ = -1;
   covets_ = false;
 
+  // Most blocks: axis words for the line or rapid in force, and nothing else.
+  const bool words_of_axes = block.words != 0 && (block.words & ~kAxisLetters) == 0;
+  if (words_of_axes && (block.g_groups | block.m_groups) == 0 && block.comment_count == 0 &&
+      (mode_ == 0 || mode_ == 10)) {
+    motion_code_ = mode_;
+    return move();
+  }
+
   if (block.has('N')) {
     if (!use('N')) return false;
     add(EventKind::block_number, 0, letter_bit('N'));
   }
   for (int i = 0; i < block.comment_count; ++i)
     add(EventKind::comment, 0).text = block.comments[static_cast<std::size_t>(i)];
+  if ((block.words & kTurnLetters) != 0 && !turn_words_allowed()) return false;
   if (!choose_motion()) return false;
   constexpr std::uint32_t motion_group = 1u << 1;
   const bool plain = (block.g_groups & ~motion_group) == 0 && block.m_groups == 0 &&
-                     block.g_code(1) != kNoMotion && (block.words & letters('S', 'T')) == 0;
+                     block.g_code(1) != kNoMotion && (block.words & letters('S', 'T')) == 0 && block.tcp_code < 0;
   if (plain) {
     if (!feed_words()) return false;
   } else {
@@ -127,7 +134,7 @@ bool Control::execute(const Block& block, Fault& fault) {
 bool Control::choose_motion() {
   const Block& b = *block_;
   const int group0 = b.g_code(0), explicit_motion = b.g_code(1);
-  const bool axis_words = (b.words & kAxisLetters) != 0;
+  const bool axis_words = (b.words & (kAxisLetters | kTurnLetters)) != 0;
   const bool offset_words = b.g_code(8) == 431;
   const bool takes_axes = group0 == 100 || group0 == 280 || group0 == 300 || group0 == 520 || group0 == 920;
   if (takes_axes || offset_words || group0 >= 921) {
@@ -249,6 +256,7 @@ bool Control::tool_codes(int code) {
     add(EventKind::m_code, 6);
     // Where the control changes tools (TOOL_CHANGE_POSITION and others of its configuration) it stays.
     if (!tool_change_keeps_place_) {
+      unknown_turns_ = commanded_turns_;
       m_ = Position{};
       u_ = program_of(frames_, m_);
     }
@@ -265,7 +273,7 @@ bool Control::tool_codes(int code) {
 
 bool Control::modes() {
   const Block& b = *block_;
-  if (b.g_groups == 0) return true;
+  if (b.g_groups == 0 && b.tcp_code < 0) return true;
   const auto change = [&](int group) {
     const int code = b.g_code(group);
     if (code >= 0) add(EventKind::g_code, code);
@@ -279,6 +287,11 @@ bool Control::modes() {
   }
   change(7);
   if (const int code = b.g_code(8); code >= 0 && !tool_offset(code)) return false;
+  if (b.tcp_code >= 0) {
+    if (!switch_tcp(b.tcp)) return false;
+    const bool g = b.tcp_letter == 'G';
+    add(g ? EventKind::g_code : EventKind::m_code, g ? b.tcp_code : b.tcp_code / 10);
+  }
   if (const int code = b.g_code(12); code >= 0) {
     frames_.active = code < 591 ? (code - 540) / 10 : code - 591 + 6;
     u_ = program_of(frames_, m_);
@@ -298,6 +311,9 @@ bool Control::modes() {
 bool Control::tool_offset(int code) {
   const Block& b = *block_;
   Letters words = 0;
+  // With tool centre point control the tip moves to the new length while the axes stand.
+  const bool tcp = tcp_;
+  if (!switch_tcp(false)) return false;
   if (code == 490) {
     frames_.tool_offset = Vec3::Zero();
   } else if (code == 431) {
@@ -325,6 +341,7 @@ bool Control::tool_offset(int code) {
     frames_.tool_offset = Vec3(offset[0], offset[1], offset[2]);
   }
   u_ = program_of(frames_, m_);
+  if (!switch_tcp(tcp)) return false;
   add(EventKind::g_code, code, words).sets_frames = true;
   return true;
 }
@@ -335,8 +352,9 @@ bool Control::non_modal() {
       return set_system();
     case 280:
     case 300:
-      if (!(use_optional('X') && use_optional('Y') && use_optional('Z'))) return false;
-      if (named_axes() != 0 && !frame_known()) return false;
+      for (const char letter : {'X', 'Y', 'Z', 'A', 'B', 'C'})
+        if (!use_optional(letter)) return false;
+      if (named_axes(*block_) != 0 && !frame_known()) return false;
       go_home(block_->g_code(0));
       return true;
     case 520:
@@ -372,7 +390,7 @@ bool Control::set_system() {
 
   const int index = p == 0 ? frames_.active : p - 1;
   Frames::System& system = frames_.systems[static_cast<std::size_t>(index)];
-  const Axes named = named_axes();
+  const Axes named = named_axes(*block_);
   if (l == 2) {
     for (int i = 0; i < 3; ++i)
       if ((named >> i & 1) != 0) system.origin[i] = length_word(static_cast<char>('X' + i));
@@ -406,7 +424,7 @@ bool Control::set_system() {
 
 bool Control::set_g92(int code) {
   const Block& b = *block_;
-  const Axes named = named_axes();
+  const Axes named = named_axes(*block_);
   for (const char letter : {'X', 'Y', 'Z'})
     if (!use_optional(letter)) return false;
   if ((code == 920 || code == 520) && named == 0)
@@ -455,13 +473,24 @@ void Control::go_home(int code) {
   motion_.code = code;
   motion_.machine_words = false;
   motion_.incremental = incremental_;
-  motion_.named = named_axes();
+  motion_.named = named_axes(*block_);
   for (int i = 0; i < 3; ++i)
     motion_.words[i] = (motion_.named >> i & 1) != 0 ? length_word(static_cast<char>('X' + i)) : 0;
+  motion_.tcp = tcp_;
+  motion_.turns_start = motion_.turns_end = turns_;
+  motion_.named_turns = 0;
+  for (int k = 0; k < 3; ++k) {
+    const char letter = static_cast<char>('A' + k);
+    if (!block_->has(letter)) continue;
+    motion_.named_turns |= Axes{1} << k;
+    motion_.turn_words[static_cast<std::size_t>(k)] = (*block_)[letter];
+  }
   motion_.start = m_;
-  motion_.end = machine_of(frames_, target());
+  motion_.end = machine_of(frames_, led(*block_, u_));
   m_ = motion_.end;
-  m_.known &= motion_.named == 0 ? 0u : ~motion_.named;
+  const bool all = motion_.named == 0 && (block_->words & kTurnLetters) == 0;
+  m_.known &= all || tcp_ ? 0u : ~motion_.named;
+  forget_turns();
   for (int i = 0; i < 3; ++i)
     if ((m_.known >> i & 1) == 0) m_.at[i] = 0;
   u_ = program_of(frames_, m_);

@@ -8,6 +8,7 @@
 #include "abbe/machine/control_setup.h"
 #include "abbe/verify/block.h"
 #include "abbe/verify/motion.h"
+#include "abbe/verify/rotary.h"
 
 namespace abbe::verifying {
 
@@ -17,11 +18,12 @@ namespace abbe::verifying {
 /// A block is done whole or refused; after a refusal the state must not be used again.
 ///
 /// errors   false with `fault` filled: E-BLOCK E-WORD E-MODE E-WCS E-G10 E-POS E-G92 E-TOOL E-G53 E-ARC
-///          E-CYCLE E-FEED
+///          E-CYCLE E-FEED E-ROTARY E-TURN E-TCP
 /// cost     no allocation unless refused
 class Control {
  public:
-  explicit Control(const ControlSetup& setup);
+  /// `rotary` (kept by the caller) may be null: then rotary words are refused.
+  explicit Control(const ControlSetup& setup, const Rotary* rotary = nullptr);
 
   [[nodiscard]] bool execute(const Block& block, Fault& fault);
 
@@ -29,8 +31,15 @@ class Control {
   [[nodiscard]] const Motion* motion() const { return moves_ ? &motion_ : nullptr; }
   [[nodiscard]] const Event* after() const { return stops_ ? &stop_ : nullptr; }
 
+  /// Where the axis words of a block lead from u (both with g92 in them), in the modes in force: u = word + g92, or
+  /// u + word in G91.
+  [[nodiscard]] Position led(const Block& block, Position u) const;
+  [[nodiscard]] const Position& position() const { return u_; }  ///< u
+
   [[nodiscard]] const Frames& frames() const { return frames_; }
   [[nodiscard]] std::optional<int> tool() const { return tool_; }
+  [[nodiscard]] const Turns& turns() const { return turns_; }
+  [[nodiscard]] bool tcp() const { return tcp_; }
   [[nodiscard]] bool inch() const { return unit_ != 1; }
   [[nodiscard]] bool ended() const { return ended_; }
 
@@ -43,7 +52,6 @@ class Control {
   Event& add(EventKind kind, int code, Letters words = 0);
   void fill(Event& event, EventKind kind, int code, Letters words) const;
   [[nodiscard]] double length_word(char letter) const { return (*block_)[letter] * unit_; }
-  [[nodiscard]] Axes named_axes() const;
   bool frame_known();
 
   bool choose_motion();
@@ -63,10 +71,16 @@ class Control {
   bool arc_centre(const Vec3& start, const Vec3& end, int a, int b, Vec3& centre);
   bool canned_cycle();
   bool cycle_words(int axis);
-  [[nodiscard]] Position target() const;
   void begin_motion(MotionKind kind);
   bool stops();
   bool leftovers();
+
+  // control_turns.cpp
+  bool turn_words_allowed();
+  bool read_turns(bool machine_words);
+  void forget_turns();
+  bool switch_tcp(bool on);
+  [[nodiscard]] bool turns_known() const;
 
   // What the block being executed says.
   const Block* block_ = nullptr;
@@ -89,6 +103,11 @@ class Control {
   std::optional<double> cycle_r_, cycle_z_, cycle_p_, cycle_q_;
   std::optional<double> cycle_level_;  ///< p along the cycle's axis before the first block of the sequence
   bool ended_ = false;
+  const Rotary* rotary_;
+  Turns turns_{};             ///< rad, counted through whole turns
+  Axes unknown_turns_ = 0;    ///< bits 0 1 2 = A B C
+  Axes commanded_turns_ = 0;  ///< named by some block so far
+  bool tcp_ = false;
 
   // What the block did.
   std::array<Event, Block::kMaxComments + 40> events_;

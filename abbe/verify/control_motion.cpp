@@ -46,12 +46,10 @@ double angle_between(double a, double b, bool clockwise) {
 
 }  // namespace
 
-/// Where the axis words of the block (in motion_) lead: u = word + g92, or u + word in G91.
-Position Control::target() const {
-  Position u = u_;
+Position Control::led(const Block& block, Position u) const {
   for (int i = 0; i < 3; ++i) {
-    if ((motion_.named >> i & 1) == 0) continue;
-    const double word = motion_.words[i];
+    if (!block.has(axis_letter(i))) continue;
+    const double word = block[axis_letter(i)] * unit_;
     if (incremental_) {
       if ((u.known >> i & 1) != 0) u.at[i] += word;
     } else {
@@ -68,10 +66,13 @@ void Control::begin_motion(MotionKind kind) {
   motion_.code = motion_code_;
   motion_.machine_words = false;
   motion_.incremental = incremental_;
-  motion_.named = named_axes();
+  motion_.named = named_axes(*block_);
   for (int i = 0; i < 3; ++i)
     motion_.words[i] = (motion_.named >> i & 1) != 0 ? length_word(axis_letter(i)) : 0;
   motion_.start = m_;
+  motion_.tcp = tcp_;
+  motion_.turns_start = motion_.turns_end = turns_;
+  motion_.named_turns = 0;
   motion_.feed_mode = feed_mode_;
   motion_.feed = feed_;
   used_ |= letters('X', 'Y', 'Z');
@@ -91,6 +92,7 @@ bool Control::move() {
   if (!machine_words && !frame_known()) return false;
   const bool done = motion_code_ <= 10 ? straight() : motion_code_ <= 30 ? arc() : canned_cycle();
   if (!done) return false;
+  if (!turns_known()) motion_.end.known = 0;  // where the tip goes depends on all axes
   if (feeds && (motion_.start.known != kAllAxes || motion_.end.known != kAllAxes)) {
     const Axes missing = kAllAxes & ~(motion_.start.known & motion_.end.known);
     const int axis = (missing & 1) != 0 ? 0 : (missing & 2) != 0 ? 1 : 2;
@@ -104,7 +106,11 @@ bool Control::move() {
 
 bool Control::straight() {
   begin_motion(motion_code_ == 0 ? MotionKind::rapid : MotionKind::line);
+  if (!read_turns(block_->g_code(0) == 530)) return false;
   if (block_->g_code(0) == 530) {
+    if (tcp_ && motion_.named != 0)
+      return refuse(block_->g_column[0], "E-TCP", "machine coordinates while tool centre point control is on",
+                    "controls differ on what they mean then", "switch it off before");
     motion_.machine_words = true;
     for (int i = 0; i < 3; ++i)
       if ((motion_.named >> i & 1) != 0) m_.at[i] = motion_.words[i];
@@ -113,7 +119,7 @@ bool Control::straight() {
     u_ = program_of(frames_, m_);
     return true;
   }
-  u_ = target();
+  u_ = led(*block_, u_);
   m_ = machine_of(frames_, u_);
   motion_.end = m_;
   return true;
@@ -122,7 +128,11 @@ bool Control::straight() {
 bool Control::arc() {
   const Plane plane = plane_of(plane_);
   begin_motion(MotionKind::arc);
-  const Position from = u_, to = target();
+  if (!read_turns(false)) return false;
+  if (motion_.turns())
+    return refuse(1, "E-ROTARY", "a rotary axis turns along an arc", "how both motions are joined is not known",
+                  "post such paths as lines");
+  const Position from = u_, to = led(*block_, u_);
   motion_.end = machine_of(frames_, to);
   if (from.known != kAllAxes || to.known != kAllAxes) return true;  // refused by move()
 

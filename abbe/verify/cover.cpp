@@ -61,7 +61,7 @@ struct Comparison::Cover {
   double shortfall = 0, last_shortfall = 0;          ///< of the last piece's end and the one before, mm
   bool outside = false;
   int beyond_travel = -1;
-  Vec3 beyond_at = Vec3::Zero();
+  double beyond_at = 0;
   double time = 0;              ///< G93: sum of the pieces' shares, 1 in the end
   double travelled_before = 0;  ///< path before this motion, mm
   Axes moving = 0;              ///< axes that the original moves
@@ -103,7 +103,7 @@ void Comparison::cover(const Motion& original) {
   cover.travelled_before = travelled_;
   ++report_.feed_motions;
   while (!stop_) {
-    const Item item = output_.next();
+    const Item item = pull();
     const bool goes_on = item == Item::motion && output_.motion().feeds() && !output_.motion().machine_words;
     if (!goes_on) {
       if (item == Item::refused) return refused(output_);
@@ -125,6 +125,7 @@ void Comparison::cover(const Motion& original) {
 /// One motion of the output; true if the original is covered or no further piece makes sense.
 bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   const Motion& original = cover.motion;
+  if (!check_turns(original, piece)) return true;
   if (original_.deletable() != output_.deletable())
     disagree("V-EVENT", "one of the blocks can be deleted with '/', the other not");
   const double piece_length = length_of(piece);
@@ -180,8 +181,7 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   }
   reached_ = {true, piece.end.at, cover.tip, approach_};
   if (piece.kind == MotionKind::line && cover.beyond_travel < 0) {
-    cover.beyond_travel = model_.beyond_travel(piece.end.at);
-    cover.beyond_at = piece.end.at;
+    cover.beyond_travel = model_.beyond_travel(piece.end.at, &cover.beyond_at);
   }
 
   // How much of the original is left?
@@ -297,8 +297,7 @@ void Comparison::account(Cover& cover, const Motion& piece, double t, const Vec3
   const double back = std::max(cover.furthest - s, s - 1) * cover.length;
   if (back > allowed) cover.worst_back = std::max(cover.worst_back, back);
   if (piece.kind == MotionKind::arc && cover.beyond_travel < 0) {
-    cover.beyond_travel = model_.beyond_travel(command);
-    cover.beyond_at = command;
+    cover.beyond_travel = model_.beyond_travel(command, &cover.beyond_at);
   }
 
   const double weight = std::max(0.0, inside - std::clamp(cover.last_s, 0.0, 1.0)) * cover.length;
@@ -337,9 +336,7 @@ void Comparison::conclude(Cover& cover) {
                          cover.furthest > 1 ? "beyond its end" : "backwards"));
   if (cover.outside) disagree("V-VOL", "this motion leaves the volume in which the errors are known");
   if (cover.beyond_travel >= 0)
-    disagree("V-TRAVEL",
-             fmt::format("{} leaves its travel: {:.4f} mm", static_cast<char>('X' + cover.beyond_travel),
-                         cover.beyond_at[cover.beyond_travel]));
+    disagree("V-TRAVEL", travel_message(cover.beyond_travel, cover.beyond_at));
   measure_lost_motion(cover.motion.end.at);
 }
 

@@ -22,12 +22,12 @@ Frames frames_of(const ControlSetup& setup) {
     const auto& given = setup.work_offsets[i];
     if (!given) continue;
     frames.systems[i] = {Vec3(given->origin[0], given->origin[1], given->origin[2]), given->rotation,
-                         kAllAxes};
+                         kAllAxes, given->turns};
   }
   return frames;
 }
 
-Position machine_of(const Frames& frames, const Position& u) {
+Position machine_of_partly_known(const Frames& frames, const Position& u) {
   const Frames::System& system = frames.system();
   Position m;
   m.known = known_after_rotation(u.known, system.rotation);

@@ -21,6 +21,7 @@ struct Frames {
     Vec3 origin = Vec3::Zero();
     double rotation = 0;  ///< rad, about Z
     Axes defined = 0;     ///< axes whose origin is known
+    std::array<double, 3> turns{};  ///< where A B C are zero, rad
   };
   std::array<System, 9> systems;  ///< G54 .. G59.3
   int active = 0;
@@ -46,7 +47,12 @@ struct Position {
 };
 
 /// m = Rz(rotation) u + origin + tool_offset. A rotated X is known only together with Y.
-[[nodiscard]] Position machine_of(const Frames& frames, const Position& u);
+[[nodiscard]] Position machine_of_partly_known(const Frames& frames, const Position& u);
+[[nodiscard]] inline Position machine_of(const Frames& frames, const Position& u) {
+  const Frames::System& system = frames.system();
+  if (u.known != kAllAxes) return machine_of_partly_known(frames, u);
+  return {rotated_about_z(u.at, system.rotation) + system.origin + frames.tool_offset, kAllAxes};
+}
 
 /// The inverse: u = Rz(-rotation) (m - origin - tool_offset).
 [[nodiscard]] Position program_of(const Frames& frames, const Position& m);

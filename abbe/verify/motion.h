@@ -4,10 +4,14 @@
 #include <cstdint>
 #include <string_view>
 
+#include "abbe/chain/control_kinematics.h"
 #include "abbe/verify/block.h"
 #include "abbe/verify/frames.h"
 
 namespace abbe::verifying {
+
+/// The axes with a word in a block. X Y Z are neighbours among the letters, as among the axes.
+[[nodiscard]] constexpr Axes named_axes(const Block& block) { return block.words >> ('X' - 'A') & kAllAxes; }
 
 /// home: G28 and G30, which end at a position that only the control knows.
 enum class MotionKind : std::uint8_t { rapid, line, arc, cycle, home };
@@ -42,7 +46,8 @@ struct Cycle {
   double peck = 0;   ///< Q, mm
 };
 
-/// One motion as the control executes it. Positions are axis commands of the controlled point, mm.
+/// One motion as the control executes it. Positions are points in machine coordinates, mm: axis commands of
+/// X Y Z, or with tool centre point control those of the tip.
 struct Motion {
   MotionKind kind = MotionKind::rapid;
   int code = 0;                ///< 10 times the G code: 0 10 20 30, 280 300, cycles 730 .. 890
@@ -51,11 +56,16 @@ struct Motion {
   Axes named = 0;              ///< axes with a word in the block
   Vec3 words = Vec3::Zero();   ///< their values, mm, as written
   Position start, end;         ///< home: end is the intermediate point
+  bool tcp = false;            ///< positions are of the tip (ControlKinematics), not axis commands
+  Axes named_turns = 0;        ///< A B C with a word in the block: bits 0 1 2
+  Turns turn_words{};          ///< their values, deg, as written
+  Turns turns_start{}, turns_end{};  ///< rotary positions, rad, counted through whole turns
   int feed_mode = 940;         ///< 930, 940, 950
   double feed = 0;             ///< F in force, program units (G93: 1/min)
   Arc arc;
   Cycle cycle;
 
+  [[nodiscard]] bool turns() const { return turns_start != turns_end; }
   [[nodiscard]] bool feeds() const { return kind == MotionKind::line || kind == MotionKind::arc; }
 };
 

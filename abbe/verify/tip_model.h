@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <variant>
 
 #include "abbe/chain/bend.h"
@@ -10,13 +11,23 @@
 #include "abbe/kernel/tip_function.h"
 #include "abbe/machine/control_setup.h"
 #include "abbe/verify/frames.h"
+#include "abbe/verify/rotary.h"
 
 namespace abbe::verifying {
 
 using Approach = std::array<signed char, 3>;
 
-/// The machine as programs of X Y Z see it: axis commands m (mm) to tool tips in workpiece axes (mm), all
-/// other axes at 0, for the tool in the spindle.
+/// How the rotary axes stand in the original and in the output, rad, and what positions mean.
+struct Stance {
+  Turns original{}, output{};
+  bool tcp = false;
+  double control_length = 0;  ///< tool length the control reckons with, mm
+  friend bool operator==(const Stance&, const Stance&) = default;
+};
+
+/// The machine as programs see it: points m in machine coordinates (mm; axis commands, or with tool centre
+/// point control the tip's) to tool tips in workpiece axes (mm), for the tool in the spindle and rotary axes
+/// that stand as the stance says. Axes that no program addresses are at 0.
 class TipModel {
  public:
   /// errors   a diagnostic E-AXIS if X, Y or Z is missing, not linear, or not independent of the others
@@ -26,35 +37,67 @@ class TipModel {
   /// errors   a diagnostic E-TOOL if its length is a touch-off value and angular errors need a length
   [[nodiscard]] std::optional<Diagnostic> use_tool(std::optional<int> tool);
 
-  /// tip = A m + b. Exact: three linear axes between constant bodies.
+  /// Forgets the stance before. False: the linear axes cannot follow points there.
+  bool stand(const Stance& stance);
+  [[nodiscard]] const Stance& stance() const { return stance_; }
+
+  /// tip = A m + b, as the control believes. Exact: three linear axes between constant bodies.
   [[nodiscard]] Vec3 nominal(const Vec3& m) const { return matrix_ * m + offset_; }
   [[nodiscard]] Vec3 nominal_step(const Vec3& step) const { return matrix_ * step; }
   [[nodiscard]] Vec3 command_of(const Vec3& tip) const { return inverse_ * (tip - offset_); }
   [[nodiscard]] Vec3 command_step(const Vec3& step) const { return inverse_ * step; }
 
+  /// Tip and tool axis that the original means at its point m, and those of the machine at the output's.
+  [[nodiscard]] TipAndAxis nominal_pose(const Vec3& m) const;
+  [[nodiscard]] TipAndAxis actual_pose(const Vec3& m, bool* outside) const;
+
   /// Tip with all errors. `outside` is set when an error is held beyond its ends.
   [[nodiscard]] Vec3 actual(const Vec3& m, const Approach& approach, bool* outside) const;
+
+  /// Commands that actual() will probably be asked for soon, in this order: found together they cost less. Changes
+  /// no answer by more than the rounding of doubles.
+  void look_ahead(std::span<const Vec3> commands, const Approach& approach);
 
   /// See abbe::straight_reach; with the tool in the spindle.
   [[nodiscard]] double straight_reach(double bend) const {
     return abbe::straight_reach(plan_, query_.tool, bend);
   }
 
-  /// The first axis whose travel m leaves, or -1.
-  [[nodiscard]] int beyond_travel(const Vec3& m) const;
+  /// Axis commands of a point of the output.
+  [[nodiscard]] Vec3 axes_of(const Vec3& m) const { return stance_.tcp ? output_axes_(m) : m; }
+  [[nodiscard]] Vec3 original_axes_of(const Vec3& m) const { return stance_.tcp ? original_axes_(m) : m; }
+
+  /// The first axis whose travel the output leaves at m, or -1: 0 1 2 = X Y Z, 3 4 5 = A B C. `at` is where.
+  [[nodiscard]] int beyond_travel(const Vec3& m, double* at = nullptr) const;
 
   [[nodiscard]] bool directional() const { return directional_; }
+  [[nodiscard]] const Rotary& rotary() const { return rotary_; }
 
  private:
-  TipModel(const Plan& plan, const ControlSetup& setup) : plan_(plan), actual_tip_(plan), setup_(setup) {}
+  TipModel(const Plan& plan, const ControlSetup& setup)
+      : plan_(plan), actual_tip_(plan), setup_(setup), rotary_(plan.machine()) {}
+  void refresh();
+  void turn(Query& query, const Turns& turns) const;
+  void place(const Approach& approach) const;
+
+  static constexpr std::size_t kAhead = kernel::TipFunction::kMost;
   Plan plan_;
   kernel::TipFunction actual_tip_;
   ControlSetup setup_;
+  Rotary rotary_;
+  Stance stance_;
+  Affine original_axes_, output_axes_;  ///< with tool centre point control: points -> axis commands
   std::array<std::size_t, 3> axes_{};  ///< of X Y Z among the moving axes
   mutable Query query_;
+  // What look_ahead() found.
+  std::array<Vec3, kAhead> ahead_;
+  std::array<kernel::TipAt, kAhead> ahead_tips_;
+  Approach ahead_approach_{};
+  std::size_t ahead_count_ = 0;
+  mutable std::size_t ahead_next_ = 0;
   Mat3 matrix_ = Mat3::Identity(), inverse_ = Mat3::Identity();
   Vec3 offset_ = Vec3::Zero();
-  std::array<std::array<double, 2>, 3> travel_{};
+  std::array<std::array<double, 2>, 3> travel_{}, turn_travel_{};
   bool directional_ = false;
 };
 

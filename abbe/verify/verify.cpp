@@ -40,7 +40,9 @@ struct Pass {
 void run_pass(TipModel model, const VerifyJob& job, Pass& pass, VerifyReport& report,
               const Progress& progress) {
   auto original = ProgramReader::open(job.original_path, job.original_name, job.setup, pass.options);
-  auto output = ProgramReader::open(job.output_path, job.output_name, job.setup, pass.options);
+  ProgramReader::Options output_options = pass.options;
+  output_options.looks_ahead = true;
+  auto output = ProgramReader::open(job.output_path, job.output_name, job.setup, output_options);
   if (const auto* error = std::get_if<FileError>(&original))
     report.diagnostics.push_back(unreadable(job.original_name, *error));
   if (const auto* error = std::get_if<FileError>(&output))
@@ -78,6 +80,7 @@ VerifyReport verify_program(const Plan& plan, const VerifyJob& job, const Progre
   const bool skip = job.setup.block_delete == ControlSetup::BlockDelete::on;
   Pass pass;
   pass.options.skip_deletable = pass.options.report_skipped = skip;
+  pass.options.rotary = &tips.rotary();
   run_pass(tips, job, pass, report, progress);
 
   // Nobody said whether '/' blocks run: both ways must agree.
@@ -86,6 +89,7 @@ VerifyReport verify_program(const Plan& plan, const VerifyJob& job, const Progre
     Pass skipped;
     skipped.options.skip_deletable = true;
     skipped.options.hashed = false;
+    skipped.options.rotary = &tips.rotary();
     skipped.number = 1;
     skipped.count = 2;
     VerifyReport second;

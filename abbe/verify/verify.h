@@ -62,6 +62,7 @@ struct VerifyReport {
   ProgramFacts original, output;
   FileIdentity original_identity;
   DeviationSummary before, after;
+  double direction_before = 0, direction_after = 0;  ///< largest angle of the tool axis while rotary axes turn, rad
   double quantisation = 0;  ///< mm: allowance for the digits of the output, largest used
   double allowed = 0;       ///< tolerance + quantisation, mm
   std::uint64_t feed_motions = 0, rapid_motions = 0, points = 0;  ///< compared

@@ -16,10 +16,12 @@ namespace abbe::app {
 namespace {
 
 int axis_letter(std::string_view name) { return name.size() == 1 && name[0] >= 'X' && name[0] <= 'Z' ? name[0] - 'X' : -1; }
+int turn_letter(std::string_view name) { return name.size() == 1 && name[0] >= 'A' && name[0] <= 'C' ? name[0] - 'A' : -1; }
 
-/// "X1,Y2.5,Z-3" as letters and values; R too where asked.
+/// "X1,Y2.5,Z-3,A90" as letters and values; R too where asked.
 struct Lettered {
   std::array<std::optional<double>, 3> axes;
+  std::array<double, 3> turns{};  ///< rad
   std::optional<double> rotation;
 };
 std::optional<Lettered> read_lettered(std::string_view option, std::string_view text, bool rotation, Diagnostics& findings) {
@@ -29,15 +31,16 @@ std::optional<Lettered> read_lettered(std::string_view option, std::string_view 
     const std::string letter = piece.substr(0, 1);
     std::string number = piece.substr(std::min<std::size_t>(1, piece.size()));
     if (!number.empty() && number[0] == '=') number.erase(0, 1);
-    const int axis = axis_letter(letter);
+    const int axis = axis_letter(letter), turn = turn_letter(letter);
     const auto value = read_number(number);
-    if (!value || (axis < 0 && !(rotation && letter == "R"))) {
-      findings.push_back(option_error(option, fmt::format("'{}' is not a letter X Y Z{} and a number", piece, rotation ? " R" : ""),
+    if (!value || (axis < 0 && turn < 0 && !(rotation && letter == "R"))) {
+      findings.push_back(option_error(option, fmt::format("'{}' is not a letter X Y Z A B C{} and a number", piece, rotation ? " R" : ""),
                                       rotation ? "write G54=X-120.5,Y40,Z-210" : "write X0,Y0,Z0"));
       good = false;
       continue;
     }
     if (axis >= 0) values.axes[static_cast<std::size_t>(axis)] = *value;
+    else if (turn >= 0) values.turns[static_cast<std::size_t>(turn)] = *value * deg;
     else values.rotation = *value;
   }
   return good ? std::optional(values) : std::nullopt;
@@ -63,6 +66,7 @@ void read_offsets(const std::vector<std::string>& arguments, double unit, Contro
       offset.origin[k] = *values->axes[k] * unit;
     }
     offset.rotation = values->rotation.value_or(0) * deg;
+    offset.turns = values->turns;
     setup.work_offsets[static_cast<std::size_t>(*index)] = offset;
   }
 }
@@ -114,12 +118,12 @@ std::string today() {
 void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) {
   add_common_options(verb, a.common, session);
   verb.add_option("--dialect", a.dialect, "control the program is for")->check(CLI::IsMember({"linuxcnc"}))->capture_default_str();
-  verb.add_option("--offset", a.offsets, "work offset in machine coordinates, e.g. G54=X-120.5,Y40,Z-210[,R10] (repeatable)");
+  verb.add_option("--offset", a.offsets, "work offset in machine coordinates, e.g. G54=X-120.5,Y40,Z-210[,A0,C90][,R10] (repeatable)");
   verb.add_option("--var", a.parameters, "LinuxCNC parameter file: work offsets, in mm");
   verb.add_option("--tools", a.tools, "LinuxCNC tool table, in mm (gauge= in a comment gives the gauge length)");
   verb.add_option("--gauge", a.gauges, "gauge length of a tool, e.g. T3=112.4 (repeatable)");
   verb.add_option("--tool", a.tool, "number of the tool in the spindle at the start");
-  verb.add_option("--start", a.start, "machine position before the program, e.g. X0,Y0,Z0")->delimiter(';');
+  verb.add_option("--start", a.start, "machine position before the program, e.g. X0,Y0,Z0,C90; rotary axes stand at 0 where not given")->delimiter(';');
   verb.add_option("--block-delete", a.block_delete, "blocks with '/': on = skipped, off = executed")->check(CLI::IsMember({"on", "off"}));
   verb.add_option("--tool-change", a.tool_change, "moves: after M6 the axes may stand elsewhere; keeps: they stand where they were")->check(CLI::IsMember({"moves", "keeps"}))->capture_default_str();
   verb.add_option("--datum", a.datum, "probed: the work offset was touched off on this machine; ideal: it is true")->check(CLI::IsMember({"probed", "ideal"}))->capture_default_str();
@@ -151,6 +155,7 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, Se
     if (const auto values = read_lettered("--start", start, false, findings)) {
       for (std::size_t k = 0; k < 3; ++k) {
         if (values->axes[k]) setup.start[k] = *values->axes[k] * unit;
+        setup.start_turns[k] = values->turns[k];
       }
     }
   }
@@ -162,6 +167,8 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, Se
   if (a.common.limit_angle_deg) findings.push_back(option_error("--limit-angle-deg", "three linear axes cannot correct the tool's direction", "leave it out, or ask `abbe predict`"));
   session.report(findings);
   if (!findings.empty() || !good) return std::nullopt;
+  // what the control corrects itself is not corrected again
+  setting->machine = as_controlled(setting->machine);
   auto plan = plan_or_report(*setting, setting->environment, session);
   if (!plan) return std::nullopt;
 

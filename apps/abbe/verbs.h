@@ -17,11 +17,16 @@ struct Verb {
 [[nodiscard]] Verb predict_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb map_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb ballbar_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb identify_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb identifiability_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb correct_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb inverse_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb derive_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb cl_correct_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb signcheck_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb capture_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb filter_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb simulate_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb compensate_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb check_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb verify_verb(CLI::App& program, Session& session);

@@ -1,0 +1,94 @@
+// Rotary words and tool centre point control.
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "abbe/core/units.h"
+#include "abbe/verify/control.h"
+
+namespace abbe::verifying {
+namespace {
+
+constexpr double kSamePlace = 1e-12;  // rad
+
+constexpr char turn_letter(int axis) { return static_cast<char>('A' + axis); }
+
+}  // namespace
+
+bool Control::turn_words_allowed() {
+  for (int k = 0; k < 3; ++k) {
+    const char letter = turn_letter(k);
+    if (!block_->has(letter)) continue;
+    if (rotary_ == nullptr || !rotary_->declared())
+      return refuse_at(letter, "E-ROTARY", fmt::format("rotary word {} without a declared mode", letter),
+                       "X Y Z may be of the axes or of the tip", "state [control] mode in the machine file");
+    if (!rotary_->has(k))
+      return refuse_at(letter, "E-ROTARY", fmt::format("no rotary axis has the address {}", letter),
+                       "where the tool goes is not known", "describe the axis in the machine file");
+  }
+  return true;
+}
+
+/// Takes A B C of a straight move or an arc.
+bool Control::read_turns(bool machine_words) {
+  for (int k = 0; k < 3; ++k) {
+    const char letter = turn_letter(k);
+    if (!block_->has(letter)) continue;
+    if (!use(letter)) return false;
+    const auto i = static_cast<std::size_t>(k);
+    const Axes bit = Axes{1} << k;
+    const double word = (*block_)[letter];
+    const double offset = machine_words ? 0 : frames_.system().turns[i];
+    if (incremental_ && !machine_words) {
+      turns_[i] += word * deg;
+    } else {
+      if (rotary_->turning(k) == Turning::sign && offset != 0)
+        return refuse_at(letter, "E-TURN", "a rotary offset on an axis whose sign is its direction",
+                         "how the control adds them is not known", "set the offset to zero");
+      const double to = rotary_->target(k, word, turns_[i], offset);
+      turns_[i] = std::abs(to - turns_[i]) > kSamePlace || (unknown_turns_ & bit) != 0 ? to : turns_[i];
+      unknown_turns_ &= ~bit;
+    }
+    motion_.named_turns |= bit;
+    motion_.turn_words[i] = word;
+    commanded_turns_ |= bit;
+  }
+  motion_.turns_end = turns_;
+  return true;
+}
+
+/// G28, G30: the axes named stand where only the control knows; none named: all.
+void Control::forget_turns() {
+  Axes named = 0;
+  for (int k = 0; k < 3; ++k)
+    if (block_->has(turn_letter(k))) named |= Axes{1} << k;
+  if (named == 0 && motion_.named == 0) named = 7;
+  if (rotary_ == nullptr) return;
+  for (int k = 0; k < 3; ++k)
+    if (!rotary_->has(k)) named &= ~(Axes{1} << k);
+  unknown_turns_ |= named;
+  commanded_turns_ |= named;
+}
+
+bool Control::turns_known() const { return unknown_turns_ == 0; }
+
+/// The axes stay where they are; the position is of another point from now on.
+bool Control::switch_tcp(bool on) {
+  if (on == tcp_ || rotary_ == nullptr) return true;
+  const auto map = rotary_->kinematics().axes_of_points(turns_, frames_.tool_offset.z());
+  const auto back = map ? inverse(*map) : std::nullopt;
+  if (!back)
+    return refuse(1, "E-TCP", "the linear axes cannot follow the tip there",
+                  "with the rotary axes at these positions they do not reach every point",
+                  "check origins and directions in the machine file");
+  tcp_ = on;
+  // axes = map(point)
+  m_.at = on ? (*back)(m_.at) : (*map)(m_.at);
+  if (m_.known != kAllAxes && turns_ != Turns{}) m_.known = 0;
+  for (int i = 0; i < 3; ++i)
+    if ((m_.known >> i & 1) == 0) m_.at[i] = 0;
+  u_ = program_of(frames_, m_);
+  return true;
+}
+
+}  // namespace abbe::verifying

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <optional>
+#include <span>
+
+#include "abbe/chain/control_kinematics.h"
+#include "abbe/machine/machine.h"
+
+namespace abbe::verifying {
+
+/// What a program's rotary words mean on a machine, and what tool centre point control makes of its points.
+class Rotary {
+ public:
+  explicit Rotary(const Machine& machine)
+      : control_(machine.control), axes_(addressed_axes(machine)), kinematics_(machine, axes_) {}
+
+  [[nodiscard]] bool declared() const { return control_.declared; }
+  [[nodiscard]] bool starts_with_tcp() const { return control_.tcp; }
+  [[nodiscard]] bool has(int letter) const { return axes_.rotary[static_cast<std::size_t>(letter)] >= 0; }
+  [[nodiscard]] bool any() const { return has(0) || has(1) || has(2); }
+  [[nodiscard]] std::span<const TcpCode> codes() const { return control_.codes; }
+  [[nodiscard]] const AddressedAxes& axes() const { return axes_; }
+  [[nodiscard]] const ControlKinematics& kinematics() const { return kinematics_; }
+  [[nodiscard]] Turning turning(int letter) const;
+  /// Least increment of the control, rad; 0: not stated.
+  [[nodiscard]] double resolution(int letter) const;
+
+  /// Where a word (degrees) takes the axis that stands at `from`, rad, counted through whole turns.
+  [[nodiscard]] double target(int letter, double word, double from, double offset) const;
+
+ private:
+  ControlModel control_;
+  AddressedAxes axes_;
+  ControlKinematics kinematics_;
+};
+
+}  // namespace abbe::verifying
