@@ -29,24 +29,34 @@ FileResult<BusReader> BusReader::open(const std::string& path) {
 }
 
 void BusReader::read_datagrams(BusFrame& frame) {
-  datagrams_.clear();
   DatagramReader reader(frame.ethernet.body);
-  for (Datagram d; reader.next(d);) datagrams_.push_back(d);
+  // Kept in registers: what is written below could be anything to the compiler.
+  Datagram* out = datagrams_.data();
+  std::size_t count = 0, room = datagrams_.size();
+  for (;; ++count) {
+    if (count == room) {
+      datagrams_.resize(2 * count + 16);
+      out = datagrams_.data();
+      room = datagrams_.size();
+    }
+    if (!reader.next(out[count])) break;
+  }
   if (reader.bad()) {
     frame.ethernet.kind = EcatFrame::Kind::bad;
     frame.ethernet.fault = "a datagram announces more bytes than the frame has";
   }
-  frame.datagrams = datagrams_;
+  frame.datagrams = {out, count};
 }
 
 void BusReader::find_partner(BusFrame& frame) {
   const std::uint64_t sender = frame.ethernet.source & ~kLocalBit;
   const bool marked = (frame.ethernet.source & kLocalBit) != 0;
-  frame.returning = false;
-  for (const Datagram& d : frame.datagrams) frame.returning |= d.working_counter != 0;
-  const bool known = std::find(plain_.begin(), plain_.end(), sender) != plain_.end();
+  unsigned counted = 0;
+  for (const Datagram& d : frame.datagrams) counted |= d.working_counter;
+  const bool known = sender == last_plain_ || std::find(plain_.begin(), plain_.end(), sender) != plain_.end();
   if (!marked && !known && plain_.size() < kMostSenders) plain_.push_back(sender);
-  if (marked && known) frame.returning = true;
+  if (!marked) last_plain_ = sender;
+  frame.returning = counted != 0 || (marked && known);
 
   Sent& slot = sent_[frame.datagrams.front().index];
   const std::uint64_t signature = signature_of(frame.datagrams);
@@ -60,11 +70,11 @@ void BusReader::find_partner(BusFrame& frame) {
 
 bool BusReader::next(BusFrame& frame) {
   if (!source_.next(frame.packet)) return false;
-  frame.number = source_.packets();
+  frame.number = ++number_;
   frame.returning = false;
   frame.partner = 0;
   frame.datagrams = {};
-  frame.ethernet = parse_frame(frame.packet.bytes, frame.packet.bytes.size() >= frame.packet.original);
+  parse_frame(frame.packet.bytes, frame.packet.bytes.size() >= frame.packet.original, frame.ethernet);
   if (frame.ethernet.kind != EcatFrame::Kind::datagrams) return true;
   read_datagrams(frame);
   if (!frame.datagrams.empty()) find_partner(frame);

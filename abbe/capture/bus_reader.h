@@ -45,8 +45,10 @@ class BusReader {
   };
   PacketSource source_;
   std::vector<Datagram> datagrams_;
-  std::array<Sent, 256> sent_{};      ///< by the index of the first datagram
-  std::vector<std::uint64_t> plain_;  ///< senders without the bit
+  std::array<Sent, 256> sent_{};                  ///< by the index of the first datagram
+  std::vector<std::uint64_t> plain_;              ///< senders without the bit
+  std::uint64_t last_plain_ = ~std::uint64_t{0};  ///< the last of them
+  std::uint64_t number_ = 0;
 };
 
 }  // namespace abbe

@@ -8,7 +8,8 @@
 namespace abbe {
 namespace {
 
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kBlock = 1024;
+constexpr std::size_t kIndices = 256;  ///< of datagrams
 constexpr std::uint64_t kReportEvery = 1U << 16;
 constexpr double kGap = 1.5;  // cycles
 
@@ -41,8 +42,16 @@ struct Route {
   std::uint32_t address = 0;
   std::size_t length = 0;
   std::uint16_t expected = 0;
-  bool hides_outputs = false;          ///< inputs lie over outputs: these are only in frames on their way out
-  std::vector<Field> inputs, outputs;  ///< the column of an output is its place among the outputs
+  bool hides_outputs = false;  ///< inputs lie over outputs: these are only in frames on their way out
+  std::vector<Field> inputs;
+  std::vector<Field>
+      sent;  ///< outputs of frames on their way out: row is the index of the frame's first datagram
+  std::vector<Field> outputs;  ///< the same of returning frames
+  struct Held {
+    const double* from;  ///< where `sent` puts it
+    double* to;          ///< its column
+  };
+  std::vector<Held> held;
 };
 
 /// The reference clock has 32 bits in some frames: it is unwrapped.
@@ -76,27 +85,24 @@ class Decoder {
           const ColumnSink& sink)
       : options_(options), sink_(sink), clock_(options.base) {
     columns_.assign(plan.columns.size(), std::vector<double>(kBlock));
+    sent_.assign(plan.columns.size(), std::vector<double>(kIndices));
     time_.resize(kBlock);
     if (survey.cycle) longest_ = kGap * *survey.cycle;
-    for (std::size_t c = 0; c < plan.columns.size(); ++c) {
-      if (plan.columns[c].direction == PdoDirection::output) output_columns_.push_back(c);
-    }
     for (const ProcessDatagram& p : survey.process) add_route(p, plan, survey.process);
     seen_.assign(routes_.size(), false);
-    sent_.assign(256 * output_columns_.size(), 0.0);
   }
 
   /// False: the sink asked to stop.
   bool see(const BusFrame& frame) {
     if (frame.ethernet.kind == EcatFrame::Kind::bad) ++report_.bad_frames;
     if (frame.datagrams.empty() || frame.ethernet.kind != EcatFrame::Kind::datagrams) return true;
-    const std::size_t slot = frame.datagrams.front().index * output_columns_.size();
+    const std::size_t slot = frame.datagrams.front().index;
     for (const Datagram& d : frame.datagrams) {
       if (!d.logical()) continue;
       const std::size_t r = find_route(d);
       if (r == routes_.size()) continue;
       if (!frame.returning) {
-        for (const Field& f : routes_[r].outputs) sent_[slot + f.column] = read_field(f, d.data);
+        read_fields(routes_[r].sent, d.data, slot);
       } else if (!take(frame, d, r, slot)) {
         return false;
       }
@@ -112,17 +118,25 @@ class Decoder {
 
  private:
   void add_route(const ProcessDatagram& p, const DecodePlan& plan, const std::vector<ProcessDatagram>& all) {
-    Route route = {p.command, p.address, p.length, p.expected(), false, {}, {}};
-    std::size_t output = 0;
+    Route route;
+    route.command = p.command;
+    route.address = p.address;
+    route.length = p.length;
+    route.expected = p.expected();
     for (std::size_t c = 0; c < plan.columns.size(); ++c) {
       const PdoObject& o = plan.columns[c];
-      const bool out = o.direction == PdoDirection::output;
-      const std::size_t place = out ? output++ : c;
       if (carrier_of(o, all) != &p) continue;
-      route.hides_outputs |= out && overlaps_input(plan.columns, o);
-      (out ? route.outputs : route.inputs)
-          .push_back(make_field(o, place, o.bit - std::uint64_t{p.address} * 8));
+      const std::uint64_t bit = o.bit - std::uint64_t{p.address} * 8;
+      if (o.direction == PdoDirection::input) {
+        route.inputs.push_back(make_field(o, bit, columns_[c].data()));
+        continue;
+      }
+      route.hides_outputs |= overlaps_input(plan.columns, o);
+      route.outputs.push_back(make_field(o, bit, columns_[c].data()));
+      route.sent.push_back(make_field(o, bit, sent_[c].data()));
+      route.held.push_back({sent_[c].data(), columns_[c].data()});
     }
+    for (auto* fields : {&route.inputs, &route.outputs, &route.sent}) sort_by_kind(*fields);
     if (!route.inputs.empty() || !route.outputs.empty()) routes_.push_back(std::move(route));
   }
 
@@ -143,10 +157,13 @@ class Decoder {
     seen_[r] = true;
     ++seen_count_;
     short_ |= d.working_counter < route.expected || d.working_counter == 0;
-    for (const Field& f : route.inputs) columns_[f.column][fill_] = read_field(f, d.data);
+    read_fields(route.inputs, d.data, fill_);
     const bool known = frame.partner != 0;
-    for (const Field& f : route.outputs)
-      columns_[output_columns_[f.column]][fill_] = known ? sent_[slot + f.column] : read_field(f, d.data);
+    if (known) {
+      for (const Route::Held& held : route.held) held.to[fill_] = held.from[slot];
+    } else {
+      read_fields(route.outputs, d.data, fill_);
+    }
     unknown_output_ |= route.hides_outputs && !known;
     return seen_count_ < routes_.size() || end_row(frame);
   }
@@ -198,8 +215,8 @@ class Decoder {
   std::vector<Route> routes_;
   std::vector<std::vector<double>> columns_;
   std::vector<double> time_;
-  std::vector<std::size_t> output_columns_;
-  std::vector<double> sent_;  ///< outputs of frames on their way, by the index of their first datagram
+  std::vector<std::vector<double>>
+      sent_;  ///< outputs on their way, by the index of the frame's first datagram
   std::vector<char> seen_;
   std::size_t seen_count_ = 0, fill_ = 0;
   bool short_ = false, unknown_output_ = false, stopped_ = false;

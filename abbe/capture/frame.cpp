@@ -78,8 +78,13 @@ std::string_view to_string(EcatCommand command) {
   return number < kNames.size() ? kNames[number] : "?";
 }
 
-EcatFrame parse_frame(std::span<const std::uint8_t> packet, bool whole) {
-  EcatFrame frame;
+void parse_frame(std::span<const std::uint8_t> packet, bool whole, EcatFrame& frame) {
+  frame.kind = EcatFrame::Kind::other;
+  frame.esl.reset();
+  frame.vlan_tags = 0;
+  frame.udp = false;
+  frame.source = 0;
+  frame.body = {};
   if (packet.size() >= kEslSize && is_esl(packet.data())) {
     frame.esl = read_esl(packet.data());
     packet = packet.subspan(kEslSize);
@@ -87,8 +92,9 @@ EcatFrame parse_frame(std::span<const std::uint8_t> packet, bool whole) {
     frame.esl = read_esl(packet.data() + packet.size() - kEslSize);
     packet = packet.first(packet.size() - kEslSize);
   }
-  if (packet.size() < kMacs + 2) return frame;
-  for (std::size_t i = 6; i < kMacs; ++i) frame.source = frame.source << 8 | packet[i];
+  if (packet.size() < kMacs + 2) return;
+  // Bytes 4 to 11, first byte highest; the upper two belong to the receiver.
+  frame.source = __builtin_bswap64(load_little<std::uint64_t>(packet.data() + 4)) & 0xffffffffffffU;
   std::uint16_t type = load_big16(packet.data() + kMacs);
   packet = packet.subspan(kMacs + 2);
   while (is_vlan_tag(type) && packet.size() >= 4) {
@@ -102,7 +108,6 @@ EcatFrame parse_frame(std::span<const std::uint8_t> packet, bool whole) {
     frame.udp = !packet.empty();
   }
   if (type == kEthercat || frame.udp) read_ethercat(packet, frame);
-  return frame;
 }
 
 }  // namespace abbe

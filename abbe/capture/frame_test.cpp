@@ -181,10 +181,15 @@ TEST(Field, RealNumbersThatAreNoneReadAsZero) {
   PdoObject object;
   object.type = PdoType::real;
   const Bytes nan = {0, 0, 0xc0, 0x7f}, inf = {0, 0, 0x80, 0xff}, half = {0, 0, 0, 0x3f};
-  const Field field = make_field(object, 0, 0);
-  EXPECT_EQ(read_field(field, nan), 0);
-  EXPECT_EQ(read_field(field, inf), 0);
-  EXPECT_EQ(read_field(field, half), 0.5);
+  double value = -1;
+  const Field field = make_field(object, 0, &value);
+  const auto read = [&](const Bytes& bytes) {
+    read_fields({&field, 1}, bytes, 0);
+    return value;
+  };
+  EXPECT_EQ(read(nan), 0);
+  EXPECT_EQ(read(inf), 0);
+  EXPECT_EQ(read(half), 0.5);
 }
 
 }  // namespace

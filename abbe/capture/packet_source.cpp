@@ -17,7 +17,7 @@
 namespace abbe {
 namespace {
 
-constexpr std::size_t kPiece = std::size_t{1} << 20;
+constexpr std::size_t kPiece = std::size_t{1} << 18;  ///< stays in the second cache
 constexpr std::size_t kFileHeader = 24, kPacketHeader = 16;
 constexpr std::uint32_t kMicroseconds = 0xa1b2c3d4, kNanoseconds = 0xa1b23c4d;
 constexpr std::uint32_t kEthernet = 1;

@@ -155,6 +155,8 @@ std::optional<std::string> map_mistake(const ProcessMap& map) {
     if (o.bits < 1 || o.bits > 64) return fmt::format("{} has {} bits; 1 to 64 can be read", o.name, o.bits);
     if (o.type == PdoType::real && o.bits != 32 && o.bits != 64)
       return fmt::format("{} is a real number of {} bits; 32 or 64 can be read", o.name, o.bits);
+    if (o.type == PdoType::real && o.bit % 8 != 0)
+      return fmt::format("{} is a real number that begins inside a byte", o.name);
     if (!std::isfinite(o.scale) || o.scale == 0) return fmt::format("{} has the scale {}", o.name, o.scale);
     if (o.bit + static_cast<std::uint64_t>(o.bits) > (std::uint64_t{1} << 35))
       return fmt::format("{} lies beyond the 32-bit logical addresses", o.name);

@@ -141,13 +141,6 @@ std::vector<std::string> error_inventory(const Machine& machine) {
   return names;
 }
 
-std::vector<std::string> errors_of_one_test(const Machine& machine) {
-  std::vector<std::string> names;
-  for (const ErrorTerm& term : machine.errors)
-    if (term.of_one_test) names.push_back(to_string(term.name));
-  return names;
-}
-
 Machine as_controlled(const Machine& machine) {
   Machine out = machine;
   std::vector<ErrorName> corrected;
@@ -170,6 +163,13 @@ Machine as_believed(const Machine& machine) {
     if (axis.direction) body.direction = *axis.direction;
   }
   return out;
+}
+
+std::vector<std::string> errors_of_one_test(const Machine& machine) {
+  std::vector<std::string> names;
+  for (const ErrorTerm& term : machine.errors)
+    if (term.of_one_test) names.push_back(to_string(term.name));
+  return names;
 }
 
 }  // namespace abbe

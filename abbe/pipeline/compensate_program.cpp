@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "abbe/core/file.h"
+#include "abbe/pipeline/cl_program.h"
 #include "abbe/report/figure.h"
 #include "abbe/report/header.h"
 
@@ -59,6 +60,7 @@ struct Run {
     report.tolerance = job.tolerance;
     report.max_correction = job.max_correction;
     report.limit = job.limit;
+    if (job.cl) report.dialect = "cl";
     return report;
   }
 };
@@ -224,6 +226,10 @@ VerifyJob verify_job(const ProgramJob& job) {
   return verify;
 }
 
+VerifyReport verified(const Run& run, const VerifyJob& verify, const Progress& progress) {
+  return run.job.cl ? verify_cl_program(run.plan, run.job, verify, progress) : verify_program(run.plan, verify, progress);
+}
+
 void finish_reports(Run& run, ProgramReport report, std::vector<Extra>& extras) {
   run.outcome.json = json_report(report);
   run.outcome.text = human_report(report);
@@ -265,7 +271,7 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
     report.rewrite = &source;
     rewrite.header = header_lines(report);
   }
-  outcome.rewrite = rewrite_program(plan, rewrite, spool, progress);
+  outcome.rewrite = job.cl ? rewrite_cl_program(plan, job, rewrite, spool, progress) : rewrite_program(plan, rewrite, spool, progress);
   run.add(outcome.rewrite.diagnostics);
   outcome.rewrite.sha256_in = input->sha256;
   report.rewrite = &outcome.rewrite;
@@ -284,7 +290,7 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   verify.original_name = input->name;
   verify.output_path = spool.temporary_path();
   verify.output_name = job.output.empty() || job.output == "-" ? std::string("(compensated program)") : job.output;
-  outcome.verify = verify_program(plan, verify, progress);
+  outcome.verify = verified(run, verify, progress);
   run.add(outcome.verify.diagnostics);
   report.verify = &outcome.verify;
   if (outcome.verify.stopped) return without_output(ProgramEnd::stopped);
@@ -319,7 +325,7 @@ ProgramOutcome verify_programs(const Plan& plan, const ProgramJob& job, const st
     if (const auto* error = std::get_if<FileError>(&opened)) run.fail(path, *error);
   }
   if (!run.outcome.diagnostics.empty()) return std::move(run.outcome);
-  run.outcome.verify = verify_program(plan, verify, progress);
+  run.outcome.verify = verified(run, verify, progress);
   run.add(run.outcome.verify.diagnostics);
   ProgramReport report = run.report("verify", output);
   report.verify = &run.outcome.verify;

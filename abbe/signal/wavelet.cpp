@@ -4,8 +4,17 @@
 #include <array>
 #include <cassert>
 #include <charconv>
+#include <cstring>
 
+#include "abbe/signal/wavelet_steps.h"
 #include "abbe/signal/wavelet_taps.h"
+
+// One machine code per instruction set, chosen when the program is loaded. Sanitizers start later than that.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
+#define ABBE_FOR_EACH_PROCESSOR __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define ABBE_FOR_EACH_PROCESSOR
+#endif
 
 namespace abbe {
 namespace {
@@ -14,7 +23,8 @@ using wavelet_taps::kMostMoments;
 
 constexpr std::size_t kMostTaps = 2 * kMostMoments;
 constexpr std::size_t kHalfMost = kMostTaps / 2;
-constexpr std::size_t kLanes = 16;  ///< sums made side by side: two registers of AVX-512, eight of SSE2
+constexpr std::size_t kLanes = 8;  ///< sums made side by side: one register of AVX-512, four of SSE2
+using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
 
 /// Filters split into the taps that meet even and those that meet odd samples.
 struct Phases {
@@ -58,99 +68,99 @@ Phases synthesis_phases(const Wavelet& wavelet) {
   return phases;
 }
 
-/// Sums of two inputs with two pairs of filters, for kLanes neighbouring places:
-///   first[l] = sum_m f1_m a[l - m] + f2_m b[l - m],   second[l] = sum_m f3_m a[l - m] + f4_m b[l - m]
+/// Sums of two inputs with two pairs of filters:
+///   first[k] = sum_m f1_m a[k - m] + f2_m b[k - m],   second[k] = sum_m f3_m a[k - m] + f4_m b[k - m]
 struct Filters {
   const double *first_a, *first_b, *second_a, *second_b;
 };
-inline void filter_lanes(const double* a, const double* b, std::size_t taps, const Filters& f, double* first,
-                         double* second) {
-  std::array<double, kLanes> s{}, t{};
-  for (std::size_t m = 0; m < taps; ++m) {
-    const double *pa = a - m, *pb = b - m;
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      s[l] += f.first_a[m] * pa[l] + f.first_b[m] * pb[l];
-      t[l] += f.second_a[m] * pa[l] + f.second_b[m] * pb[l];
+
+/// For `count` places, kLanes at a time; a and b may be read kLanes beyond them, first and second written.
+/// Without fused products the sums are the same on every processor.
+ABBE_FOR_EACH_PROCESSOR void filter_places(const double* a, const double* b, std::size_t taps,
+                                           const Filters& f, double* first, double* second,
+                                           std::size_t count) {
+  for (std::size_t k = 0; k < count; k += kLanes) {
+    Lanes s{}, t{};
+    for (std::size_t m = 0; m < taps; ++m) {
+      Lanes here_a, here_b;
+      std::memcpy(&here_a, a + k - m, sizeof here_a);
+      std::memcpy(&here_b, b + k - m, sizeof here_b);
+      s += f.first_a[m] * here_a + f.first_b[m] * here_b;
+      t += f.second_a[m] * here_a + f.second_b[m] * here_b;
     }
+    std::memcpy(first + k, &s, sizeof s);
+    std::memcpy(second + k, &t, sizeof t);
   }
-  std::copy(s.begin(), s.end(), first);
-  std::copy(t.begin(), t.end(), second);
-}
-
-/// The same for `count` places; a and b may be read kLanes beyond them, first and second written.
-void filter_places(const double* a, const double* b, std::size_t taps, const Filters& f, double* first,
-                   double* second, std::size_t count) {
-  for (std::size_t k = 0; k < count; k += kLanes) filter_lanes(a + k, b + k, taps, f, first + k, second + k);
-}
-
-std::size_t coefficient_count(std::size_t samples, const Wavelet& wavelet) {
-  return (samples + wavelet.scaling.size() - 1) / 2;
 }
 
 /// Pieces short enough to stay in the first cache.
 constexpr std::size_t kPiece = 1024;
+using Phase = std::array<double, kPiece + kHalfMost + kLanes>;
 
-WaveletStep analyse(std::span<const double> x, const Wavelet& wavelet) {
+/// Even and odd samples of the mirrored record: slot s is the pair at `first` + 2 s.
+void split(std::span<const double> x, std::ptrdiff_t first, std::size_t slots, Phase& even, Phase& odd) {
+  if (first >= 0 && static_cast<std::size_t>(first) + 2 * slots <= x.size()) {
+    const double* p = x.data() + first;
+    for (std::size_t s = 0; s < slots; ++s) {
+      even[s] = p[2 * s];
+      odd[s] = p[2 * s + 1];
+    }
+    return;
+  }
+  for (std::size_t s = 0; s < slots; ++s) {
+    even[s] = mirrored(x, first + 2 * static_cast<std::ptrdiff_t>(s));
+    odd[s] = mirrored(x, first + 2 * static_cast<std::ptrdiff_t>(s) + 1);
+  }
+}
+
+}  // namespace
+
+void analyse(std::span<const double> x, const Wavelet& wavelet, double* low, double* high) {
   const std::size_t half = wavelet.scaling.size() / 2, count = coefficient_count(x.size(), wavelet);
   const Phases phases = analysis_phases(wavelet);
   const Filters filters = {phases.low_even.data(), phases.low_odd.data(), phases.high_even.data(),
                            phases.high_odd.data()};
-  WaveletStep step;
-  step.low.resize(count);
-  step.high.resize(count);
-  std::array<double, kPiece + kHalfMost + kLanes> even{}, odd{};
-  std::array<double, kPiece + kLanes> low{}, high{};
+  Phase even{}, odd{}, last_low{}, last_high{};
   for (std::size_t begin = 0; begin < count; begin += kPiece) {
     const std::size_t places = std::min(kPiece, count - begin);
-    // Slot s of even and odd is the pair of samples 2 (begin + s - (half - 1)) and the next.
     const auto first = 2 * (static_cast<std::ptrdiff_t>(begin) - static_cast<std::ptrdiff_t>(half - 1));
-    const std::size_t slots = places + half - 1;
-    if (first >= 0 && static_cast<std::size_t>(first) + 2 * slots <= x.size()) {
-      const double* p = x.data() + first;
-      for (std::size_t s = 0; s < slots; ++s) {
-        even[s] = p[2 * s];
-        odd[s] = p[2 * s + 1];
-      }
-    } else {
-      for (std::size_t s = 0; s < slots; ++s) {
-        even[s] = mirrored(x, first + 2 * static_cast<std::ptrdiff_t>(s));
-        odd[s] = mirrored(x, first + 2 * static_cast<std::ptrdiff_t>(s) + 1);
-      }
+    split(x, first, places + half - 1, even, odd);
+    const double *a = even.data() + half - 1, *b = odd.data() + half - 1;
+    if (places == kPiece) {
+      filter_places(a, b, half, filters, low + begin, high + begin, places);
+    } else {  // the last one writes up to kLanes more than there is room for
+      filter_places(a, b, half, filters, last_low.data(), last_high.data(), places);
+      std::copy_n(last_low.begin(), places, low + begin);
+      std::copy_n(last_high.begin(), places, high + begin);
     }
-    filter_places(even.data() + half - 1, odd.data() + half - 1, half, filters, low.data(), high.data(),
-                  places);
-    std::copy_n(low.begin(), places, step.low.begin() + static_cast<std::ptrdiff_t>(begin));
-    std::copy_n(high.begin(), places, step.high.begin() + static_cast<std::ptrdiff_t>(begin));
   }
-  return step;
 }
 
-Samples synthesise(std::span<const double> low, std::span<const double> high, const Wavelet& wavelet,
-                   std::size_t length) {
-  const std::size_t half = wavelet.scaling.size() / 2, pairs = (length + 1) / 2;
+void synthesise(const double* low, const double* high, const Wavelet& wavelet, std::span<double> x) {
+  const std::size_t half = wavelet.scaling.size() / 2, pairs = (x.size() + 1) / 2;
   const Phases phases = synthesis_phases(wavelet);
   const Filters filters = {phases.low_even.data(), phases.high_even.data(), phases.low_odd.data(),
                            phases.high_odd.data()};
-  Samples x(length);
-  std::array<double, kPiece + kHalfMost + kLanes> a{}, d{};
-  std::array<double, kPiece + kLanes> even{}, odd{};
+  Phase last_low{}, last_high{}, even{}, odd{};
   for (std::size_t begin = 0; begin < pairs; begin += kPiece) {
     const std::size_t places = std::min(kPiece, pairs - begin);
-    std::copy_n(low.begin() + static_cast<std::ptrdiff_t>(begin), places + half - 1, a.begin());
-    std::copy_n(high.begin() + static_cast<std::ptrdiff_t>(begin), places + half - 1, d.begin());
-    filter_places(a.data() + half - 1, d.data() + half - 1, half, filters, even.data(), odd.data(), places);
+    const double *a = low + begin, *d = high + begin;
+    if (places < kPiece) {  // the last one reads up to kLanes more than there are
+      std::copy_n(a, places + half - 1, last_low.begin());
+      std::copy_n(d, places + half - 1, last_high.begin());
+      a = last_low.data();
+      d = last_high.data();
+    }
+    filter_places(a + half - 1, d + half - 1, half, filters, even.data(), odd.data(), places);
     double* out = x.data() + 2 * begin;
-    const std::size_t whole = std::min(places, length / 2 - begin);
+    const std::size_t whole = std::min(places, x.size() / 2 - begin);
     for (std::size_t i = 0; i < whole; ++i) {
       out[2 * i] = even[i];
       out[2 * i + 1] = odd[i];
     }
     if (whole < places) out[2 * whole] = even[whole];
   }
-  return x;
 }
-
-}  // namespace
 
 std::optional<Wavelet> find_wavelet(std::string_view name) {
   if (name == "haar") return Wavelet{"haar", wavelet_taps::kDaubechies[0]};
@@ -174,7 +184,11 @@ std::vector<std::string> wavelet_names() {
 SignalResult<WaveletStep> dwt(std::span<const double> x, const Wavelet& wavelet) {
   if (x.empty()) return SignalProblem::too_short;
   if (!all_finite(x)) return SignalProblem::not_finite;
-  return analyse(x, wavelet);
+  WaveletStep step;
+  step.low.resize(coefficient_count(x.size(), wavelet));
+  step.high.resize(step.low.size());
+  analyse(x, wavelet, step.low.data(), step.high.data());
+  return step;
 }
 
 SignalResult<Samples> inverse_dwt(std::span<const double> low, std::span<const double> high,
@@ -183,7 +197,9 @@ SignalResult<Samples> inverse_dwt(std::span<const double> low, std::span<const d
   const std::size_t count = coefficient_count(length, wavelet);
   if (low.size() != count || high.size() != count) return SignalProblem::sizes_differ;
   if (!all_finite(low) || !all_finite(high)) return SignalProblem::not_finite;
-  return synthesise(low, high, wavelet, length);
+  Samples x(length);
+  synthesise(low.data(), high.data(), wavelet, x);
+  return x;
 }
 
 std::size_t Decomposition::coefficients() const {
@@ -200,9 +216,10 @@ SignalResult<Decomposition> decompose(std::span<const double> x, const Wavelet& 
   for (int level = 0; level < levels; ++level) {
     const std::span<const double> from = level == 0 ? x : std::span<const double>(parts.approximation);
     parts.lengths.push_back(from.size());
-    WaveletStep step = analyse(from, wavelet);
-    parts.details.push_back(std::move(step.high));
-    parts.approximation = std::move(step.low);
+    Samples low(coefficient_count(from.size(), wavelet));
+    parts.details.emplace_back(low.size());
+    analyse(from, wavelet, low.data(), parts.details.back().data());
+    parts.approximation = std::move(low);
   }
   return parts;
 }

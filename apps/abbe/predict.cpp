@@ -211,6 +211,7 @@ Verb predict_verb(CLI::App& program, Session& session) {
   auto common = std::make_shared<CommonArguments>();
   auto arguments = std::make_shared<PointArguments>();
   add_common_options(*command, *common, session);
+  allow_quick_machine(*command, *common);
   add_point_options(*command, *arguments);
   return {command, [common, arguments, &session] { predict_points(*common, *arguments, session); }};
 }

@@ -32,5 +32,8 @@ struct Verb {
 [[nodiscard]] Verb verify_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb diff_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb explain_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb profiles_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb evaluate_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb fit_verb(CLI::App& program, Session& session);
 
 }  // namespace abbe::app
