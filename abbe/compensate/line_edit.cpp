@@ -30,13 +30,11 @@ std::string& LineEdit::replace(const Word& word) {
 }
 
 double LineEdit::replace(const Word& word, double number, int decimals) {
-  const FixedNumber fixed = to_fixed(number, decimals);
-  if (!fixed.fits) return append_fixed(replace(word), number, decimals);
   const std::size_t i = index_of(word);
+  if (!to_fixed(number, decimals, fixed_[i])) return append_fixed(replace(word), number, decimals);
   replaced_ |= std::uint64_t{1} << i;
   spelled_later_ |= std::uint64_t{1} << i;
-  fixed_[i] = fixed;
-  return fixed.value;
+  return fixed_[i].value;
 }
 
 void LineEdit::remove(const Word& word) { removed_ |= std::uint64_t{1} << index_of(word); }

@@ -172,18 +172,19 @@ std::optional<double> read_number(std::string_view text) {
   return value;
 }
 
-FixedNumber to_fixed(double value, int decimals) {
+bool to_fixed(double value, int decimals, FixedNumber& number) {
   const auto [exact, n] = scale(std::abs(value), decimals);
-  if (!exact || decimals > kMaxScaledDecimals) return {};
-  FixedNumber number{n, decimals, value < 0 && n != 0, true, 0};
+  if (!exact || decimals > kMaxScaledDecimals) return false;
+  number.digits = n;
+  number.decimals = decimals;
+  number.negative = value < 0 && n != 0;
   // n <= 2^52 and 10^decimals are exact: this is the double nearest to what will be written.
   const double seen = static_cast<double>(static_cast<std::int64_t>(n)) / kPower10[static_cast<std::size_t>(decimals)];
   number.value = number.negative ? -seen : seen;
-  return number;
+  return true;
 }
 
 char* write_fixed(char* to, const FixedNumber& number) {
-  assert(number.fits);
   *to = '-';
   to += number.negative ? 1 : 0;
   return to + write_scaled(to, number.digits, number.decimals);
@@ -192,8 +193,8 @@ char* write_fixed(char* to, const FixedNumber& number) {
 double append_fixed(std::string& out, double value, int decimals) {
   assert(std::isfinite(value) && std::abs(value) < 1e12 && decimals >= 0);
   if (!std::isfinite(value) || decimals < 0) return 0;
-  const FixedNumber number = to_fixed(value, decimals);
-  if (!number.fits) return append_fixed_slow(out, value, decimals);
+  FixedNumber number;
+  if (!to_fixed(value, decimals, number)) return append_fixed_slow(out, value, decimals);
   // Written in place: copied from a buffer, the bytes just stored would have to be waited for.
   const std::size_t begin = out.size();
   out.resize(begin + kFixedRoom);

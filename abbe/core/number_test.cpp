@@ -48,8 +48,8 @@ void expect_as_library(double value, int decimals) {
   ASSERT_EQ(back.decimals, decimals);
   ASSERT_EQ(back.length, text.size() - 1);
   ASSERT_TRUE(same_bits(seen, rounded(value, decimals))) << text;
-  const FixedNumber number = to_fixed(value, decimals);
-  if (!number.fits) return;
+  FixedNumber number;
+  if (!to_fixed(value, decimals, number)) return;
   std::array<char, kFixedRoom> spelled;
   ASSERT_EQ("X" + std::string(spelled.data(), write_fixed(spelled.data(), number)), text);
   ASSERT_TRUE(same_bits(number.value, seen)) << text;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "abbe/core/file.h"
+#include "abbe/pipeline/cl_program.h"
 #include "abbe/report/figure.h"
 #include "abbe/report/header.h"
 
@@ -59,6 +60,7 @@ struct Run {
     report.tolerance = job.tolerance;
     report.max_correction = job.max_correction;
     report.limit = job.limit;
+    if (job.cl) report.dialect = "cl";
     return report;
   }
 };
@@ -151,6 +153,20 @@ bool is_fresh(Run& run, const Input& input) {
   return false;
 }
 
+/// Errors that are true of one test only must not move the machine.
+bool errors_are_of_the_machine(Run& run) {
+  const std::vector<std::string> names = errors_of_one_test(run.plan.machine());
+  if (names.empty()) return true;
+  run.fail(ProgramEnd::refused,
+           about(run.plan.machine().files.empty() ? "machine" : run.plan.machine().files.back(), "E-SCOPE",
+                 fmt::format("{} {} true of one test only (scope = \"test\")", fmt::join(names, " "),
+                             names.size() == 1 ? "is" : "are"),
+                 "such a part depends on the feed and the time of that test; on another path it would be an error of "
+                 "its own",
+                 "remove it from the errors file, or identify it as a function of v. and a."));
+  return false;
+}
+
 bool calibration_holds(Run& run) {
   const auto& calibration = run.plan.machine().calibration;
   if (run.job.today.empty() || calibration.valid_to.empty() || run.job.today <= calibration.valid_to) return true;
@@ -210,6 +226,10 @@ VerifyJob verify_job(const ProgramJob& job) {
   return verify;
 }
 
+VerifyReport verified(const Run& run, const VerifyJob& verify, const Progress& progress) {
+  return run.job.cl ? verify_cl_program(run.plan, run.job, verify, progress) : verify_program(run.plan, verify, progress);
+}
+
 void finish_reports(Run& run, ProgramReport report, std::vector<Extra>& extras) {
   run.outcome.json = json_report(report);
   run.outcome.text = human_report(report);
@@ -225,6 +245,7 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   const char* verb = job.output.empty() ? "check" : "compensate";
   const auto input = open_input(run);
   if (!input || !paths_are_apart(run, *input) || !is_fresh(run, *input) || !calibration_holds(run)) return std::move(run.outcome);
+  if (!errors_are_of_the_machine(run)) return std::move(run.outcome);
   auto created = SpoolFile::create(job.output.empty() ? "-" : job.output);
   if (const auto* error = std::get_if<FileError>(&created)) {
     run.fail(job.output, *error);
@@ -250,7 +271,7 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
     report.rewrite = &source;
     rewrite.header = header_lines(report);
   }
-  outcome.rewrite = rewrite_program(plan, rewrite, spool, progress);
+  outcome.rewrite = job.cl ? rewrite_cl_program(plan, job, rewrite, spool, progress) : rewrite_program(plan, rewrite, spool, progress);
   run.add(outcome.rewrite.diagnostics);
   outcome.rewrite.sha256_in = input->sha256;
   report.rewrite = &outcome.rewrite;
@@ -269,7 +290,7 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   verify.original_name = input->name;
   verify.output_path = spool.temporary_path();
   verify.output_name = job.output.empty() || job.output == "-" ? std::string("(compensated program)") : job.output;
-  outcome.verify = verify_program(plan, verify, progress);
+  outcome.verify = verified(run, verify, progress);
   run.add(outcome.verify.diagnostics);
   report.verify = &outcome.verify;
   if (outcome.verify.stopped) return without_output(ProgramEnd::stopped);
@@ -304,7 +325,7 @@ ProgramOutcome verify_programs(const Plan& plan, const ProgramJob& job, const st
     if (const auto* error = std::get_if<FileError>(&opened)) run.fail(path, *error);
   }
   if (!run.outcome.diagnostics.empty()) return std::move(run.outcome);
-  run.outcome.verify = verify_program(plan, verify, progress);
+  run.outcome.verify = verified(run, verify, progress);
   run.add(run.outcome.verify.diagnostics);
   ProgramReport report = run.report("verify", output);
   report.verify = &run.outcome.verify;

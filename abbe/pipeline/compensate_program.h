@@ -4,6 +4,8 @@
 #include <string>
 
 #include "abbe/chain/plan.h"
+#include "abbe/cl/interpreter.h"
+#include "abbe/cl/pose_field.h"
 #include "abbe/compensate/rewrite.h"
 #include "abbe/core/diagnostic.h"
 #include "abbe/core/progress.h"
@@ -15,6 +17,12 @@ namespace abbe {
 
 /// Where a compensated program says what it is: as comments in it, in a file beside it, or nowhere.
 enum class HeaderForm { inline_comments, sidecar, none };
+
+/// What is asked of CL data besides.
+struct ClSetting {
+  cl::Conventions conventions;
+  cl::Commands start{};                 ///< where the machine stands: decides the branch of the first pose
+};
 
 /// A program, the machine it runs on, and what is wanted.
 struct ProgramJob {
@@ -33,6 +41,7 @@ struct ProgramJob {
   std::string version;                  ///< of this program, for header and report
   std::string today;                    ///< YYYY-MM-DD, to hold against [calibration] valid_to; empty: not checked
   std::uint64_t trace_line = 0;         ///< explain this line
+  std::optional<ClSetting> cl;          ///< the program is CL data (APT, CLSF), not G code
 };
 
 enum class ProgramEnd { done, io, invalid, refused, outside, disagrees, stopped };

@@ -52,12 +52,12 @@ struct ProgramReader::State {
           motion_given = true;
           if (control.motion() != nullptr) return Item::motion;
         }
-        has_block = false;
-        in_tail = control.ended();
-        if (control.after() != nullptr) {
-          current = control.after();
+        if (const auto after = control.after(); after_index < after.size()) {
+          current = &after[after_index++];
           return Item::event;
         }
+        has_block = false;
+        in_tail = control.ended();
       }
       if (at_end) return Item::end;
       read_line();
@@ -79,12 +79,12 @@ struct ProgramReader::State {
     if (first == std::string_view::npos) return;
     const bool may_delimit = first_line || delimited;
     first_line = false;
-    if (text[first] == '%' && may_delimit && trimmed(text) == "%") {
+    if (text[first] == '%' && control.profile().text.percent && may_delimit && trimmed(text) == "%") {
       in_tail = delimited;
       delimited = true;
       return report(EventKind::delimiter);
     }
-    if (text[first] == '/') {
+    if (text[first] == '/' && control.profile().text.skip != Profile::Skip::ignored) {
       deletable = saw_deletable = true;
       if (options.skip_deletable) {
         at_top = false;
@@ -110,7 +110,7 @@ struct ProgramReader::State {
     }
     for (std::size_t i = 0; i < rows; ++i) {
       texts[i] = without_eol(texts[i]);
-      readable[i] = !in_tail && read_block(texts[i], blocks[i], fault, tcp_codes());
+      readable[i] = !in_tail && read_block(texts[i], control.profile(), blocks[i], fault, tcp_codes());
     }
     if (options.looks_ahead) look_ahead();
     return true;
@@ -134,17 +134,19 @@ struct ProgramReader::State {
                kMaxBlockLength + 1,
                1,
                "the line is far too long",
-               "LinuxCNC stops at longer lines",
+               "controls stop at longer lines",
                "shorten the line"};
       return refuse();
     }
     std::string_view words = text;
-    const bool numbered =
-        first_block && (text[first] == 'O' || text[first] == 'o') && program_number(first, words);
+    const Profile::Text& rules = control.profile().text;
+    const bool names = (rules.program_number && (text[first] == 'O' || text[first] == 'o')) || (rules.colon && text[first] == ':');
+    const bool numbered = first_block && names && program_number(first, words);
     // The words start elsewhere behind a program number or a tape leader.
     const Block& block = blocks[row];
-    const bool understood = (words.data() == texts[row].data() && readable[row]) || read_block(words, blocks[row], fault, tcp_codes());
-    const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0 || block.tcp_code >= 0;
+    const bool understood =
+        (words.data() == texts[row].data() && readable[row]) || read_block(words, control.profile(), blocks[row], fault, tcp_codes());
+    const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0 || block.extra_count != 0 || block.tcp_code >= 0;
     if (numbered && says_something) {
       fault = {"E-OWORD",
                first + 1,
@@ -163,7 +165,7 @@ struct ProgramReader::State {
     if (!control.execute(block, fault)) return refuse();
     has_block = true;
     motion_given = false;
-    event_index = 0;
+    event_index = after_index = 0;
   }
 
   /// Takes "O1234" from the front of the first block and reports it; what follows may be comments.
@@ -232,7 +234,7 @@ struct ProgramReader::State {
   Event single;  ///< what the current line says besides its block
   bool has_single = false;
   bool has_block = false;  ///< the block in `control` is being handed out
-  std::size_t event_index = 0;
+  std::size_t event_index = 0, after_index = 0;
   bool motion_given = false;
   const Event* current = nullptr;
 
@@ -278,6 +280,7 @@ std::optional<int> ProgramReader::tool() const { return state_->control.tool(); 
 const Turns& ProgramReader::turns() const { return state_->control.turns(); }
 bool ProgramReader::tcp() const { return state_->control.tcp(); }
 bool ProgramReader::inch() const { return state_->control.inch(); }
+const Profile& ProgramReader::profile() const { return state_->control.profile(); }
 LineReader& ProgramReader::file() { return state_->lines; }
 
 }  // namespace abbe::verifying

@@ -15,7 +15,7 @@
 
 namespace abbe::verifying {
 
-/// Reads a program of the LinuxCNC dialect as a stream of motions (in axis commands, mm) and events,
+/// Reads a program as a stream of motions (in axis commands, mm) and events,
 /// in the order in which the control executes them. Every byte is understood or refused.
 ///
 /// cost    constant memory; about 150 ns per line of a 3-axis program, no allocation per line
@@ -54,6 +54,7 @@ class ProgramReader {
   [[nodiscard]] const Frames& frames() const;     ///< in force for the current item
   [[nodiscard]] std::optional<int> tool() const;  ///< in the spindle
   [[nodiscard]] bool inch() const;                ///< units in force
+  [[nodiscard]] const Profile& profile() const;   ///< of the control
   [[nodiscard]] const Turns& turns() const;       ///< of A B C after the current item's block, rad
   [[nodiscard]] bool tcp() const;                 ///< tool centre point control is on
   [[nodiscard]] LineReader& file();               ///< for bytes, identity and checksum

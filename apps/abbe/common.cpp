@@ -88,6 +88,29 @@ void read_environment_file(const Machine& machine, const std::string& path, Sess
   }
 }
 
+/// Tables named on the command line or in a machine file from standard input.
+std::optional<std::string> fetch_file(const std::string& path) {
+  FileResult<std::string> file = read_file(path);
+  if (auto* text = std::get_if<std::string>(&file)) return std::move(*text);
+  return std::nullopt;
+}
+
+/// The machine of --skew, --scale and --pitch.
+Parsed<Machine> load_quick_machine(const CommonArguments& arguments) {
+  Parsed<Machine> parsed;
+  if (!arguments.machine.empty() || !arguments.errors.empty()) {
+    parsed.diagnostics.push_back(option_error(
+        "--skew, --scale, --pitch",
+        arguments.machine.empty() ? std::string("--errors belongs to a machine file")
+                                  : fmt::format("a machine file is given too ('{}')", arguments.machine),
+        "give one or the other: two descriptions of one machine would count its errors twice"));
+    return parsed;
+  }
+  const auto text = machine_text_of(arguments.quick, parsed.diagnostics);
+  if (!text) return parsed;
+  return read_machine({"--skew, --scale, --pitch", *text}, std::nullopt, fetch_file);
+}
+
 Parsed<Machine> load_machine(const CommonArguments& arguments, Session& session) {
   const std::optional<std::string> errors =
       arguments.errors.empty() ? std::nullopt : std::optional(arguments.errors);
@@ -100,12 +123,12 @@ Parsed<Machine> load_machine(const CommonArguments& arguments, Session& session)
     const auto name_of = [](const std::string& path) { return path == "-" ? std::string("<stdin>") : path; };
     std::optional<MachineText> errors_source;
     if (errors) errors_source = MachineText{name_of(*errors), *errors_text};
-    parsed = read_machine({name_of(arguments.machine), *machine_text}, errors_source,
-                          [](const std::string& path) -> std::optional<std::string> {
-                            FileResult<std::string> file = read_file(path);
-                            if (auto* text = std::get_if<std::string>(&file)) return std::move(*text);
-                            return std::nullopt;
-                          });
+    parsed = read_machine({name_of(arguments.machine), *machine_text}, errors_source, fetch_file);
+  } else if (arguments.quick.given()) {
+    parsed = load_quick_machine(arguments);
+  } else if (arguments.machine.empty()) {
+    parsed.diagnostics.push_back(option_error("MACHINE", "no machine file is given",
+                                              "name one, or describe three axes: --skew, --scale, --pitch"));
   } else {
     parsed = read_machine_file(arguments.machine, errors);
   }
@@ -131,6 +154,11 @@ void add_machine_options(CLI::App& verb, CommonArguments& arguments, Session& se
   verb.add_flag("--strict", session.strict, "warnings and failed limits end with exit code 4");
   verb.add_flag("--json", arguments.json,
                 "JSON on standard output: mm, degrees for axis positions, rad for rotations");
+}
+
+void allow_quick_machine(CLI::App& verb, CommonArguments& arguments) {
+  verb.get_option("MACHINE")->required(false);
+  add_quick_machine_options(verb, arguments.quick);
 }
 
 void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& session) {

@@ -10,6 +10,7 @@
 #include "abbe/chain/plan.h"
 #include "abbe/core/diagnostic.h"
 #include "abbe/machine/machine.h"
+#include "quick_machine.h"
 #include "session.h"
 
 namespace abbe::app {
@@ -17,6 +18,7 @@ namespace abbe::app {
 /// Options that every verb with a machine understands, as typed.
 struct CommonArguments {
   std::string machine;
+  QuickMachine quick;  ///< verbs that take it: in place of `machine`
   std::string errors;
   std::vector<std::string> set;
   std::string environment;
@@ -32,6 +34,8 @@ struct CommonArguments {
 /// Those that name the machine, and how to answer.
 void add_machine_options(CLI::App& verb, CommonArguments& arguments, Session& session);
 void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& session);
+/// --skew, --scale, --pitch as well: then MACHINE is left out. After add_machine_options or add_common_options.
+void allow_quick_machine(CLI::App& verb, CommonArguments& arguments);
 
 /// `--at`, `--set`, `--gauge` and their like: "A=1,B=2" of one or several options, in order.
 struct Assignment {

@@ -54,7 +54,7 @@ void run_rewrite(const RewriteArguments& arguments, Session& session, bool check
     session.report(option_error("--json", "standard output cannot hold the program and the report", "write the report with --report"));
     return;
   }
-  auto setting = load_program_setting(arguments.program, session);
+  auto setting = load_program_setting(arguments.program, arguments.input, session);
   if (!setting) return;
   setting->job.program = arguments.input;
   if (!check) setting->job.output = arguments.output;
@@ -72,28 +72,33 @@ Verb compensate_verb(CLI::App& program, Session& session) {
   auto arguments = std::make_shared<RewriteArguments>();
   CLI::App* verb = program.add_subcommand("compensate", "rewrite a program so that the machine's errors cancel, verify it, then publish it");
   add_program_options(*verb, arguments->program, session);
-  verb->add_option("program", arguments->input, "program, or - for standard input")->required();
+  verb->add_option("program", arguments->input, "program, or - for standard input");
   verb->add_option("-o,--output", arguments->output, "where the compensated program goes, or - for standard output")->required();
   verb->add_option("--header", arguments->program.header, "where the output says what it is")->check(CLI::IsMember({"inline", "sidecar", "none"}))->capture_default_str();
-  return {verb, [arguments, &session] { run_rewrite(*arguments, session, false); }};
+  return {verb, [arguments, &session] {
+            if (settle_files(arguments->program.common, {&arguments->input}, session)) run_rewrite(*arguments, session, false);
+          }};
 }
 
 Verb check_verb(CLI::App& program, Session& session) {
   auto arguments = std::make_shared<RewriteArguments>();
   CLI::App* verb = program.add_subcommand("check", "everything compensate does, without an output");
   add_program_options(*verb, arguments->program, session);
-  verb->add_option("program", arguments->input, "program, or - for standard input")->required();
-  return {verb, [arguments, &session] { run_rewrite(*arguments, session, true); }};
+  verb->add_option("program", arguments->input, "program, or - for standard input");
+  return {verb, [arguments, &session] {
+            if (settle_files(arguments->program.common, {&arguments->input}, session)) run_rewrite(*arguments, session, true);
+          }};
 }
 
 Verb verify_verb(CLI::App& program, Session& session) {
   auto arguments = std::make_shared<RewriteArguments>();
   CLI::App* verb = program.add_subcommand("verify", "compare a compensated program with its original: path, events, feeds, rapid or feed");
   add_program_options(*verb, arguments->program, session);
-  verb->add_option("original", arguments->input, "the original program")->required();
-  verb->add_option("compensated", arguments->output, "the compensated program")->required();
+  verb->add_option("original", arguments->input, "the original program");
+  verb->add_option("compensated", arguments->output, "the compensated program");
   return {verb, [arguments, &session] {
-            auto setting = load_program_setting(arguments->program, session);
+            if (!settle_files(arguments->program.common, {&arguments->input, &arguments->output}, session)) return;
+            auto setting = load_program_setting(arguments->program, arguments->input, session);
             if (!setting) return;
             setting->job.program = arguments->input;
             ProgramOutcome outcome;
@@ -168,15 +173,16 @@ Verb explain_verb(CLI::App& program, Session& session) {
   auto arguments = std::make_shared<RewriteArguments>();
   CLI::App* verb = program.add_subcommand("explain", "why a block is rewritten as it is: frames, position, correction, decision");
   add_program_options(*verb, arguments->program, session);
-  verb->add_option("place", arguments->input, "FILE:LINE")->required();
+  verb->add_option("place", arguments->input, "FILE:LINE");
   return {verb, [arguments, &session] {
+            if (!settle_files(arguments->program.common, {&arguments->input}, session)) return;
             const std::size_t colon = arguments->input.rfind(':');
             const auto line = colon == std::string::npos ? std::nullopt : read_number(std::string_view(arguments->input).substr(colon + 1));
             if (!line || *line < 1 || *line > 1e15) {
               session.report(option_error("explain", fmt::format("'{}' is not FILE:LINE", arguments->input), "write part.ngc:120"));
               return;
             }
-            auto setting = load_program_setting(arguments->program, session);
+            auto setting = load_program_setting(arguments->program, arguments->input.substr(0, colon), session);
             if (!setting) return;
             setting->job.program = arguments->input.substr(0, colon);
             setting->job.trace_line = static_cast<std::uint64_t>(*line);

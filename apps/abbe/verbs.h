@@ -16,6 +16,7 @@ struct Verb {
 [[nodiscard]] Verb describe_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb predict_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb map_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb ballbar_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb correct_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb inverse_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb derive_verb(CLI::App& program, Session& session);
@@ -29,5 +30,8 @@ struct Verb {
 [[nodiscard]] Verb verify_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb diff_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb explain_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb profiles_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb evaluate_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb fit_verb(CLI::App& program, Session& session);
 
 }  // namespace abbe::app
