@@ -28,11 +28,12 @@ FileResult<BusReader> BusReader::open(const std::string& path) {
   return BusReader(std::move(std::get<PacketSource>(source)));
 }
 
-void BusReader::read_datagrams(BusFrame& frame) {
+bool BusReader::read_datagrams(BusFrame& frame) {
   DatagramReader reader(frame.ethernet.body);
   // Kept in registers: what is written below could be anything to the compiler.
   Datagram* out = datagrams_.data();
   std::size_t count = 0, room = datagrams_.size();
+  unsigned counted = 0;
   for (;; ++count) {
     if (count == room) {
       datagrams_.resize(2 * count + 16);
@@ -40,23 +41,23 @@ void BusReader::read_datagrams(BusFrame& frame) {
       room = datagrams_.size();
     }
     if (!reader.next(out[count])) break;
+    counted |= out[count].working_counter;
   }
   if (reader.bad()) {
     frame.ethernet.kind = EcatFrame::Kind::bad;
     frame.ethernet.fault = "a datagram announces more bytes than the frame has";
   }
   frame.datagrams = {out, count};
+  return counted != 0;
 }
 
-void BusReader::find_partner(BusFrame& frame) {
+void BusReader::find_partner(BusFrame& frame, bool counted) {
   const std::uint64_t sender = frame.ethernet.source & ~kLocalBit;
   const bool marked = (frame.ethernet.source & kLocalBit) != 0;
-  unsigned counted = 0;
-  for (const Datagram& d : frame.datagrams) counted |= d.working_counter;
   const bool known = sender == last_plain_ || std::find(plain_.begin(), plain_.end(), sender) != plain_.end();
   if (!marked && !known && plain_.size() < kMostSenders) plain_.push_back(sender);
   if (!marked) last_plain_ = sender;
-  frame.returning = counted != 0 || (marked && known);
+  frame.returning = counted || (marked && known);
 
   Sent& slot = sent_[frame.datagrams.front().index];
   const std::uint64_t signature = signature_of(frame.datagrams);
@@ -76,8 +77,8 @@ bool BusReader::next(BusFrame& frame) {
   frame.datagrams = {};
   parse_frame(frame.packet.bytes, frame.packet.bytes.size() >= frame.packet.original, frame.ethernet);
   if (frame.ethernet.kind != EcatFrame::Kind::datagrams) return true;
-  read_datagrams(frame);
-  if (!frame.datagrams.empty()) find_partner(frame);
+  const bool counted = read_datagrams(frame);
+  if (!frame.datagrams.empty()) find_partner(frame, counted);
   return true;
 }
 

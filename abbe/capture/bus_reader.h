@@ -37,8 +37,8 @@ class BusReader {
 
  private:
   explicit BusReader(PacketSource source) : source_(std::move(source)) {}
-  void read_datagrams(BusFrame& frame);
-  void find_partner(BusFrame& frame);
+  bool read_datagrams(BusFrame& frame);  ///< true if a slave counted in one of them
+  void find_partner(BusFrame& frame, bool counted);
 
   struct Sent {
     std::uint64_t number = 0, signature = 0;

@@ -17,7 +17,7 @@
 namespace abbe {
 namespace {
 
-constexpr std::size_t kPiece = std::size_t{1} << 18;  ///< stays in the second cache
+constexpr std::size_t kPiece = std::size_t{1} << 16;  ///< stays in the caches
 constexpr std::size_t kFileHeader = 24, kPacketHeader = 16;
 constexpr std::uint32_t kMicroseconds = 0xa1b2c3d4, kNanoseconds = 0xa1b23c4d;
 constexpr std::uint32_t kEthernet = 1;
@@ -151,6 +151,7 @@ struct PacketSource::State {
   PcapHandle pcap;
   std::uint64_t packets = 0, bytes = 0;
   bool ended = false;
+  std::string message;  ///< why the last packet could not be read
   std::optional<std::string> error;
 };
 
@@ -201,15 +202,15 @@ FileResult<PacketSource> PacketSource::open(const std::string& path) {
 bool PacketSource::next(Packet& packet) {
   State& s = *state_;
   if (s.ended) return false;
-  std::string error;
-  const int got = s.classic ? s.classic->next(packet, error) : next_of_libpcap(s.pcap.get(), packet, error);
+  const int got =
+      s.classic ? s.classic->next(packet, s.message) : next_of_libpcap(s.pcap.get(), packet, s.message);
   if (got == 1) {
     ++s.packets;
     s.bytes += kPacketHeader + packet.bytes.size();
     return true;
   }
   s.ended = true;
-  if (got < 0) s.error = fmt::format("packet {}: {}", s.packets + 1, error);
+  if (got < 0) s.error = fmt::format("packet {}: {}", s.packets + 1, s.message);
   return false;
 }
 

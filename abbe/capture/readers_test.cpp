@@ -190,8 +190,8 @@ Text mutated(Text text, std::mt19937& random) {
   const int kind = static_cast<int>(random() % 4);
   for (int i = 0; i < 1 + static_cast<int>(random() % 6) && !text.empty(); ++i) {
     const std::size_t at = random() % text.size();
-    text[at] = static_cast<typename Text::value_type>(random() % 3 == 0 ? random() % 256
-                                                                        : text[random() % text.size()]);
+    const auto other = text[random() % text.size()];
+    text[at] = random() % 3 == 0 ? static_cast<typename Text::value_type>(random() % 256) : other;
   }
   if (kind == 0 && !text.empty()) text.resize(random() % text.size());
   return text;

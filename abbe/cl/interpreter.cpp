@@ -277,6 +277,7 @@ bool Interpreter::cycle(const Record& record, Findings& findings) {
     }
   }
   cycle_on_ = cycle_defined_ = true;
+  cycle_kind_ = type;
   return true;
 }
 

@@ -70,6 +70,8 @@ class Interpreter {
   [[nodiscard]] std::optional<int> tool() const { return tool_; }
   [[nodiscard]] double cutter_diameter() const { return cutter_diameter_; }  ///< mm, 0 = unknown
   [[nodiscard]] bool multax() const { return multax_.value_or(false); }
+  [[nodiscard]] bool cutter_compensated() const { return cutcom_; }
+  [[nodiscard]] const std::string& cycle_kind() const { return cycle_kind_; }  ///< DRILL, ..
   [[nodiscard]] bool ended() const { return ended_; }
   /// The arc of the motion just read has more than one turn, or states its angle: it stays one record.
   [[nodiscard]] int arc_turns() const { return arc_turns_; }
@@ -124,6 +126,7 @@ class Interpreter {
   bool cutcom_ = false, cutcom_edge_ = false;
   bool cycle_on_ = false, cycle_defined_ = false;
   double above_ = 0, below_ = 0;
+  std::string cycle_kind_;
   // an arc that waits for its GOTO, and the last one
   bool arc_waits_ = false, arc_just_made_ = false;
   Vec3 arc_centre_ = Vec3::Zero(), arc_normal_ = Vec3::UnitZ();

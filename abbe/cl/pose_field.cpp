@@ -64,7 +64,9 @@ PoseField::PoseField(const Plan& plan, const Placement& placement, bool probed, 
       tool_(tool_of(plan.machine())),
       path_(path_options(free), start) {
   for (int i = 0; i < plan.machine().axis_count(); ++i) {
-    if (plan.machine().axis(i).type == AxisType::rotary && (free >> i & 1U) != 0) ++rotary_axes_;
+    if (plan.machine().axis(i).type != AxisType::rotary || (free >> i & 1U) == 0) continue;
+    rotary_ |= AxisSet{1} << i;
+    ++rotary_axes_;
   }
   set_tool(tool_);
 }
@@ -139,6 +141,18 @@ Vec3 PoseField::corrected_axis(const Place& place) const {
   const Pose nominal = nominal_pose(plan_, query(correction.corrected));
   const Vec3 axis = placement_.rotation.transpose() * (nominal.R * tool_.axis);
   return axis.allFinite() && axis.norm() > 0 ? Vec3(axis.normalized()) : place.pose.axis;
+}
+
+Correction PoseField::corrected_commands(const Place& place, bool turn) const {
+  CorrectOptions options;
+  options.target_shift = datum_;
+  if (place.singular || !turn) options.locked = rotary_;
+  return correct(plan_, query(place.q), free_, options);
+}
+
+Vec3 PoseField::off_at(const Place& place, const Commands& q, bool ideal) const {
+  if (ideal) return nominal_tip(plan_, query(q)) - placement_.to_workpiece(place.pose.tip);
+  return actual_tip(plan_, query(q)) - target(place.pose);
 }
 
 PoseField::Answer PoseField::corrected_tip(const Place& place, const Vec3& axis,

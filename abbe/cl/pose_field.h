@@ -60,6 +60,13 @@ class PoseField {
   /// The tool axis to write, in the program's frame; that of the pose where the correction cannot turn it.
   [[nodiscard]] Vec3 corrected_axis(const Place& place) const;
 
+  /// Commands that bring the real tool to the pose: where the axes are commanded directly. The rotary axes
+  /// stay unless `turn`, and near the singularity.
+  [[nodiscard]] Correction corrected_commands(const Place& place, bool turn) const;
+  /// Tip of the tool at these commands, with all errors or without any (`ideal`), minus what is wanted at
+  /// `place` (ideal: without the datum), mm.
+  [[nodiscard]] Vec3 off_at(const Place& place, const Commands& q, bool ideal) const;
+
   struct Answer {
     Vec3 tip = Vec3::Zero();  ///< to write
     Commands q{};             ///< what the post-processor makes of it
@@ -85,6 +92,7 @@ class PoseField {
   bool probed_;
   AxisSet free_;
   int rotary_axes_ = 0;  ///< free ones
+  AxisSet rotary_ = 0;
   Tool tool_;
   Vec3 datum_ = Vec3::Zero();
   PathSolver path_;

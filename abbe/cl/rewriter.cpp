@@ -171,9 +171,9 @@ bool Rewriter::refuse(const Record& record, PoseField::Trouble trouble, const To
 
 bool Rewriter::place_is_good(const Record& record, const PoseField::Place& place) {
   if (!refuse(record, place.trouble, place.pose, place.axis)) return false;
-  if (!place.singular) return true;
+  if (!place.singular || !interpreter_.motion().axis_free) return true;
   ++report_.singular;
-  if (!singular_warned_ && interpreter_.motion().axis_free) {
+  if (!singular_warned_) {
     singular_warned_ = true;
     findings_.warn(record, {"W-SINGULAR",
                             "the tool axis is within 1 deg of the singularity of the rotary axes: it is kept "

@@ -237,7 +237,7 @@ bool Comparison::motion(const Step& original, PathReader& output) {
   if (follows) report_.path_length += length_of(original);
   double from = 0;
   for (Stand begin = stand_;;) {
-    const Outcome there = machine_.near(piece.end, piece.end_axis, nominal.commands);
+    const Outcome there = machine_.near(piece.end, piece.end_axis, nominal.commands, nominal.side);
     if (!fit_to_run(original, piece, there)) return false;
     const bool last = !follows || close_to_end(original, there);
     const double to = last ? 1 : progress_of(original, there.tip, there.axis);
@@ -253,7 +253,7 @@ bool Comparison::motion(const Step& original, PathReader& output) {
     if (follows && !inside(original, piece, from, to, begin, nominal)) return false;
     if (last) {
       const bool good = end_of(original, piece, there, nominal);
-      stand_ = {true, nominal.commands};
+      stand_ = {true, nominal.commands, nominal.side};
       return good && going_on_;
     }
     from = to;
@@ -300,7 +300,7 @@ bool Comparison::direction_agrees(const Step& original, const Step& piece, const
 
 bool Comparison::hole(const Step& original, const Step& piece, const Outcome& nominal) {
   for (const double reach : {original.up, -original.down}) {
-    const Outcome there = machine_.near(piece.end + reach * piece.end_axis, piece.end_axis, nominal.commands);
+    const Outcome there = machine_.near(piece.end + reach * piece.end_axis, piece.end_axis, nominal.commands, nominal.side);
     const double off = (there.tip - (original.end + reach * original.end_axis)).norm();
     if (!fit_to_run(original, piece, there)) return false;
     ++report_.points;
@@ -317,6 +317,7 @@ bool Comparison::inside(const Step& original, const Step& piece, double from, do
   const double part = to - from;
   const double looks = length_of(original) * part / kLooks +
                        angle_between(original.start_axis, original.end_axis) * part / kLooksTurn;
+  const int side = begin.side == end.side ? end.side : 0;
   const double share = from < 1 ? part / (1 - from) : 1;  // of the way to the end
   const int looked_at = std::clamp(static_cast<int>(std::min(looks, 1e4)) + 3, original.circle ? 9 : 3, 97);
   for (int i = 1; i <= looked_at; ++i) {
@@ -325,8 +326,8 @@ bool Comparison::inside(const Step& original, const Step& piece, double from, do
     std::array<double, kMaxAxes> guess{};
     for (std::size_t k = 0; k < guess.size(); ++k)
       guess[k] = begin.commands[k] + t * share * (end.commands[k] - begin.commands[k]);
-    const Outcome bare = machine_.near(nominal.tip, nominal.axis, guess),
-                  there = machine_.near(written.tip, written.axis, guess);
+    const Outcome bare = machine_.near(nominal.tip, nominal.axis, guess, side),
+                  there = machine_.near(written.tip, written.axis, guess, side);
     if (!fit_to_run(original, piece, there)) return false;
     const Vec3 before = bare.tip - nominal.tip, after = there.tip - nominal.tip;
     count(original, nominal.tip, before, after);

@@ -21,6 +21,7 @@ class Comparison {
   struct Stand {
     bool known = false;
     std::array<double, kMaxAxes> commands{};
+    int side = 0;  ///< of the singularity
   };
 
   void disagree(const char* code, const Step& original, const Step* output, std::string message);

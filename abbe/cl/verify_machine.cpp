@@ -69,6 +69,7 @@ void ForwardMachine::use_tool(const Tool& tool) {
 Outcome ForwardMachine::act(const InverseResult& post, const Vec3& axis) const {
   Outcome out;
   out.commands = post.q;
+  out.side = post.side.sign;
   Query query;
   query.q = post.q;
   query.tool = tool_;
@@ -92,9 +93,10 @@ Outcome ForwardMachine::along(const Vec3& tip, const Vec3& axis) {
 }
 
 Outcome ForwardMachine::near(const Vec3& tip, const Vec3& axis,
-                             const std::array<double, kMaxAxes>& commands) const {
+                             const std::array<double, kMaxAxes>& commands, int side) const {
   InverseOptions options;
   options.ideal = true;
+  options.side = side;
   return act(inverse(plan_, tool_, in_workpiece(tip), turn_ * axis, commands, free_, options), axis);
 }
 

@@ -14,7 +14,9 @@
 namespace abbe {
 namespace {
 
-constexpr double kTolerance = 1e-7;  // of a column: what is less cannot be told from noise and rounding
+// Of a column. Columns that differ only because the tip is micrometres from its nominal place, a part in 10^5
+// or so, are the same: what tells them apart would be noise, enlarged as many times.
+constexpr double kTolerance = 1e-3;
 
 /// Where the unknowns are among the columns: nuisances, functions, reversals, locations.
 struct Layout {
@@ -172,17 +174,21 @@ FoundFunction found_function(const UnknownFunction& unknown, Eigen::Index mean, 
   return out;
 }
 
+/// Of a function several parameters may be missing: it is named once.
 std::vector<NotDetermined> name_dependent(const IndependentColumns& columns, const Layout& layout,
                                           bool asked) {
   std::vector<NotDetermined> out;
   for (const DependentColumn& dependent : columns.dependent) {
     const auto column = static_cast<std::size_t>(dependent.column);
-    std::set<std::string> like;
-    for (const auto& [other, share] : dependent.like)
-      like.insert(layout.owner[static_cast<std::size_t>(other)]);
+    const std::string& name = layout.owner[column];
     const bool location = dependent.column >= layout.locations;
-    out.push_back(
-        {layout.owner[column], {like.begin(), like.end()}, location ? asked : column >= layout.nuisances});
+    if (out.empty() || out.back().name != name)
+      out.push_back({name, {}, location ? asked : column >= layout.nuisances});
+    std::set<std::string> like(out.back().like.begin(), out.back().like.end());
+    for (const auto& [other, share] : dependent.like)
+      if (layout.owner[static_cast<std::size_t>(other)] != name)
+        like.insert(layout.owner[static_cast<std::size_t>(other)]);
+    out.back().like.assign(like.begin(), like.end());
   }
   return out;
 }

@@ -75,8 +75,13 @@ class Pyramid {
       counts_.push_back(n);
       total += n;
     }
+    // Of records shorter than the filter the coefficients get more from level to level, not fewer.
+    std::size_t first = 0, second = 0;
+    for (std::size_t level = 0; level < counts_.size(); ++level) {
+      std::size_t& room = level % 2 == 0 ? first : second;
+      room = std::max(room, counts_[level]);
+    }
     // Not cleared: every place is written before it is read.
-    const std::size_t first = counts_.front(), second = levels > 1 ? counts_[1] : 0;
     memory_.reset(new double[total + first + second]);
     low_ = {memory_.get() + total, memory_.get() + total + first};
     double* detail = memory_.get();

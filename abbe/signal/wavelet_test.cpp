@@ -168,6 +168,24 @@ TEST(Denoise, NothingIsLostBelowZeroThreshold) {
   EXPECT_THAT(result.samples, testing::Pointwise(testing::DoubleNear(kRounding), steps));
 }
 
+// The coefficients of a record shorter than the filter get more from level to level.
+TEST(Denoise, ShortRecordsOnManyLevelsComeBack) {
+  for (const char* name : {"db1", "sym5", "db20"}) {
+    for (const std::size_t n : {2U, 3U, 8U, 50U}) {
+      Samples flat(n, 3.5);
+      flat[0] += 1e-15;  // details of rounding only
+      for (int levels = 1; levels <= kMostLevels; levels += 3) {
+        DenoiseOptions options;
+        options.levels = levels;
+        options.sigma = DenoiseOptions::Sigma::one;
+        EXPECT_THAT(value_of(denoise(flat, *find_wavelet(name), options)).samples,
+                    testing::Pointwise(testing::DoubleNear(1e-9), flat))
+            << name << ' ' << n << ' ' << levels;
+      }
+    }
+  }
+}
+
 TEST(Denoise, SoftShrinksTowardsZero) {
   const Samples y = noise(500, 11);
   DenoiseOptions options;

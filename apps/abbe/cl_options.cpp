@@ -19,7 +19,7 @@ std::string changed(std::string text, int (*change)(int)) {
 
 }  // namespace
 
-void add_cl_options(CLI::App& verb, ClArguments& a) {
+void add_cl_options(CLI::App& verb, ClArguments& a, bool near) {
   verb.add_option("--tool-axis", a.tool_axis,
                   "CL data: correct the tool axes of all six-number records, keep them, or auto: those while "
                   "MULTAX is on")
@@ -32,6 +32,7 @@ void add_cl_options(CLI::App& verb, ClArguments& a) {
           "--pass-record", a.pass_records,
           "CL data: copy records of this major word; it must neither move nor change a frame (repeatable)")
       ->allow_extra_args(false);
+  if (!near) return;
   verb.add_option("--near", a.near,
                   "CL data: where the rotary axes stand, so that the nearest solution is taken")
       ->type_name("AXIS=VALUE,..")

@@ -18,7 +18,8 @@ struct ClArguments {
   std::vector<std::string> pass_records, near;
 };
 
-void add_cl_options(CLI::App& verb, ClArguments& arguments);
+/// `near`: --near too; verbs that have one of their own leave it out.
+void add_cl_options(CLI::App& verb, ClArguments& arguments, bool near = true);
 
 /// CL data by their dialect (cl, apt, clsf), or by the name of the file: .cls .clsf .apt .aptsource .ncl .cl
 [[nodiscard]] bool is_cl_data(std::string_view dialect, std::string_view path);

@@ -9,6 +9,7 @@
 #include "abbe/core/units.h"
 #include "abbe/report/json_writer.h"
 #include "common.h"
+#include "inverse_gcode.h"
 #include "pose_source.h"
 #include "progress.h"
 #include "text.h"
@@ -27,6 +28,7 @@ struct InverseArguments {
   bool ideal = false;
   std::string method = "newton";
   std::vector<std::string> lock;
+  GcodeArguments gcode;
 };
 
 void write_json_point(JsonWriter& json, const Machine& machine, const ToolPose& pose,
@@ -162,7 +164,11 @@ Verb inverse_verb(CLI::App& program, Session& session) {
       ->type_name("AXIS,..")
       ->allow_extra_args(false);
   add_method_option(*command, arguments->method);
-  return {command, [arguments, &session] { inverse_poses(*arguments, session); }};
+  add_gcode_options(*command, arguments->gcode);
+  return {command, [arguments, &session] {
+            if (arguments->gcode.emit.empty()) return inverse_poses(*arguments, session);
+            write_gcode(arguments->common, arguments->poses, arguments->ideal, arguments->gcode, session);
+          }};
 }
 
 }  // namespace abbe::app

@@ -94,6 +94,8 @@ int run(int argc, char** argv) {
       capture_verb(program, session),
       filter_verb(program, session),
       ballbar_verb(program, session),
+      identify_verb(program, session),
+      identifiability_verb(program, session),
       evaluate_verb(program, session),
       fit_verb(program, session),
       simulate_verb(program, session),

@@ -6,6 +6,7 @@ namespace abbe::app {
 
 /// The subcommands of `simulate`, one per file.
 [[nodiscard]] Verb simulate_capture_verb(CLI::App& simulate, Session& session);
+[[nodiscard]] Verb simulate_ballbar_verb(CLI::App& simulate, Session& session);
 [[nodiscard]] Verb simulate_measurements_verb(CLI::App& simulate, Session& session);
 
 }  // namespace abbe::app

@@ -17,6 +17,8 @@ struct Verb {
 [[nodiscard]] Verb predict_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb map_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb ballbar_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb identify_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb identifiability_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb correct_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb inverse_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb derive_verb(CLI::App& program, Session& session);

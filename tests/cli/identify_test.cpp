@@ -1,0 +1,145 @@
+// `abbe simulate ballbar`, `identify`, `identifiability`: a machine with known errors is measured, identified, predicted.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "run_program.h"
+
+namespace abbe::cli {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::string kMill = "format = 1\n[machine]\nname = \"mill\"\nchain = \"w b X Y Z t\"\n";
+
+class Identify : public ::testing::Test {
+ protected:
+  ProgramRun abbe(const std::vector<std::string>& words) { return run_abbe(words, {}, folder_.path()); }
+
+  /// Six tests XY: two radii, three feeds. Returns their files.
+  std::vector<std::string> simulate() {
+    std::vector<std::string> words = {"simulate", "ballbar", hidden_, "--out", folder_ / "t", "--seed", "3"};
+    std::vector<std::string> files;
+    for (const char* radius : {"100", "150"})
+      for (const char* feed : {"600", "2400", "4800"}) {
+        words.push_back("--test");
+        words.push_back(std::string("plane=XY,samples=300,setup=a,radius=") + radius + ",feed=" + feed);
+        files.push_back(folder_ / ("t" + std::to_string(files.size() + 1) + ".csv"));
+      }
+    const ProgramRun run = abbe(words);
+    EXPECT_EQ(run.exit, 0) << run.err;
+    return files;
+  }
+  std::vector<std::string> with(std::vector<std::string> words, const std::vector<std::string>& files) {
+    words.insert(words.end(), files.begin(), files.end());
+    return words;
+  }
+  static std::string content(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+  }
+
+  Folder folder_;
+  std::string mill_ = folder_.put("mill.toml", kMill);
+  std::string hidden_ = folder_.put("hidden.toml", kMill + R"([errors]
+EC0Y = -18
+EYX = { poly = [0, 0, 2e-4] }
+EXX = { forward = { poly = [-1.5] }, backward = { poly = [1.5] } }
+DYY = { poly = [0, -0.006], of = "a.Y" }
+)");
+};
+
+TEST_F(Identify, ErrorsFileOfASimulatedMachine) {
+  const std::vector<std::string> files = simulate();
+  const std::string errors = folder_ / "errors.toml";
+  const ProgramRun run = abbe(with({"identify", mill_, "--json", "-o", errors}, files));
+  ASSERT_EQ(run.exit, 0) << run.err;
+  EXPECT_EQ(run.err, "");
+  const json answer = json::parse(run.out);
+  EXPECT_TRUE(answer["trusted"]);
+  EXPECT_EQ(answer["runs"].size(), 12U);
+  bool found = false;
+  for (const json& term : answer["terms"]) {
+    if (term["term"] != "EXX lost motion") continue;
+    found = true;
+    EXPECT_TRUE(term["identifiable"]);
+    EXPECT_NEAR(term["value"], 3e-3, 5 * term["uncertainty"].get<double>());
+  }
+  EXPECT_TRUE(found);
+  EXPECT_EQ(answer["covariance"].size(), answer["unknowns"].size());
+  const ProgramRun predicted = abbe({"predict", mill_, "--errors", errors, "--at", "X=50,Y=80,Z=0", "--json"});
+  ASSERT_EQ(predicted.exit, 0) << predicted.err;
+  // EC0Y -18 urad moves the tip by +18e-6 * 80 along X.
+  EXPECT_NEAR(json::parse(predicted.out)["points"][0]["deviation"]["position_mm"][0], 1.44e-3, 2e-4);
+  EXPECT_THAT(content(errors), HasSubstr("[uncertainty]"));
+  const ProgramRun text = abbe(with({"identify", mill_}, files));
+  EXPECT_THAT(text.out, HasSubstr("they look like the noise"));
+  EXPECT_THAT(text.out, HasSubstr("assumed zero"));
+}
+
+TEST_F(Identify, PaperSinusoidsAreShownAndNeverCompensated) {
+  const std::vector<std::string> files = simulate();
+  const std::string errors = folder_ / "paper.toml";
+  const ProgramRun run = abbe({"identify", mill_, files[0], "--method", "paper", "-o", errors});
+  ASSERT_EQ(run.exit, 0) << run.err;
+  EXPECT_THAT(run.out, HasSubstr("artefact"));
+  EXPECT_THAT(content(errors), HasSubstr("scope = \"test\""));
+  const ProgramRun predicted = abbe({"predict", mill_, "--errors", errors, "--at", "X=0,Y=0,Z=0", "--set", "t=0"});
+  ASSERT_EQ(predicted.exit, 0) << predicted.err;
+  EXPECT_THAT(predicted.out, HasSubstr("of one test"));
+  const std::string program = folder_.put("part.ngc", "G21 G90 G54\nG1 X10 F100\nM2\n");
+  const ProgramRun refused = abbe({"compensate", mill_, program, "-o", folder_ / "out.ngc", "--errors", errors, "--set",
+                                   "t=0", "--offset", "G54=X0,Y0,Z0"});
+  EXPECT_EQ(refused.exit, 3) << refused.err;
+  EXPECT_THAT(refused.err, HasSubstr("E-SCOPE"));
+  EXPECT_EQ(content(folder_ / "out.ngc"), "");
+  EXPECT_EQ(abbe({"identify", mill_, files[0], files[1], "--method", "paper"}).exit, 2);
+}
+
+TEST_F(Identify, IdentifiabilityExplainsOneFeed) {
+  const ProgramRun one = abbe({"identifiability", mill_, "--test", "plane=XY,radius=100,feed=2000"});
+  ASSERT_EQ(one.exit, 0) << one.err;
+  EXPECT_THAT(one.out, HasSubstr("another feed tells them apart"));
+  const ProgramRun two = abbe({"identifiability", mill_, "--json", "--test", "plane=XY,radius=100,feed=600,setup=a",
+                               "--test", "plane=XY,radius=150,feed=3000,setup=a"});
+  ASSERT_EQ(two.exit, 0) << two.err;
+  EXPECT_GT(json::parse(two.out)["rank"], 10);
+}
+
+TEST_F(Identify, SimulatedBusIsACapture) {
+  const ProgramRun run = abbe({"simulate", "ballbar", hidden_, "--test", "plane=ZX,radius=50,feed=3000,directions=CW",
+                               "--lag", "X=1", "--bus", "--positions", "--out", folder_ / "b"});
+  ASSERT_EQ(run.exit, 0) << run.err;
+  EXPECT_THAT(content(folder_ / "b1.csv"), HasSubstr("x_cmd_mm"));
+  EXPECT_GT(content(folder_ / "b1.pcap").size(), 100000U);
+}
+
+TEST_F(Identify, WrongInputIsNamed) {
+  const auto refused = [&](const std::vector<std::string>& words, const char* message) {
+    const ProgramRun run = abbe(words);
+    EXPECT_EQ(run.exit, 2) << message;
+    EXPECT_THAT(run.err, HasSubstr(message));
+  };
+  const std::string lathe = folder_.put("lathe.toml", "format = 1\n[machine]\nchain = \"w b X Z t\"\n");
+  const std::string plan = "plane=XY,radius=100,feed=2000";
+  refused({"identifiability", mill_, "--test", "plane=XY,radius=100"}, "lacks plane, radius or feed");
+  refused({"identifiability", mill_, "--test", plan + ",speed=3"}, "unknown key 'speed'");
+  refused({"identifiability", mill_, "--test", plan + ",samples=3"}, "out of range");
+  refused({"identifiability", mill_, "--test", plan + ",directions=left"}, "directions=left");
+  refused({"identifiability", mill_, "--test", plan + ",from=90,to=20"}, "'to' is not above 'from'");
+  refused({"identifiability", lathe, "--test", plan}, "E-IDENTIFY");
+  refused({"simulate", "ballbar", lathe, "--test", plan, "--out", folder_ / "x"}, "no linear axis Y");
+  refused({"simulate", "ballbar", mill_, "--test", plan, "--lag", "Q=1", "--out", folder_ / "x"}, "--lag");
+  refused({"identify", mill_, folder_ / "absent.csv"}, "E-FILE");
+  refused({"identify", mill_, folder_.put("a.csv", "angle_deg,deviation_um\n")}, "does not say the plane");
+}
+
+}  // namespace
+}  // namespace abbe::cli
