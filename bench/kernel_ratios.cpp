@@ -1,11 +1,15 @@
 // What a corrected pose costs, in units of one forward kinematics + Jacobian call of Orocos KDL on the same
 // chain: batches and single poses, every instruction set of this processor, five machines.
 //
-//   build/release/bench/kernel_ratios [ROUNDS [WHAT]]   default 40, the best round counts; WHAT: only names with it
+//   build/release/bench/kernel_ratios [ROUNDS [WHAT]]   default 40, the best round counts; WHAT: only names
+//   with it
+// "scattered" are the same poses in no order; "fixed" is the kernel's first-order batch for a topology known
+// when it was compiled.
 //
 // All candidates take turns in one run, on path data: 1024 neighbouring poses, 40 error functions, 100 nodes
 // each. Every candidate's result is checked before it is timed.
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -18,6 +22,7 @@
 #include <kdl/chainiksolvervel_pinv.hpp>
 #include <kdl/chainjnttojacsolver.hpp>
 #include <memory>
+#include <random>
 #include <string>
 #include <vector>
 
@@ -26,6 +31,7 @@
 #include "abbe/kernel/flat_plan.h"
 #include "abbe/kernel/kernel.h"
 #include "abbe/machine/read_machine.h"
+#include "bench/fixed_topology.h"
 #include "bench/path_data.h"
 
 namespace {
@@ -74,11 +80,13 @@ Machine machine_of(const Topology& topology) {
 
 /// Everything of one machine that the candidates need.
 struct Subject {
-  explicit Subject(const Topology& topology)
-      : machine(machine_of(topology)),
+  Subject(const Topology& topology, bool scattered)
+      : name(std::string(topology.name) + (scattered ? ", scattered" : "")),
+        machine(machine_of(topology)),
         plan(std::get<Plan>(make_plan(machine, {}))),
         flat(kernel::FlatPlan::make(plan)),
         queries(path(machine, 0.004)) {
+    if (scattered) std::shuffle(queries.begin(), queries.end(), std::mt19937(1));
     for (std::size_t k = 0; k < 5; ++k) {
       q.emplace_back();
       corrected.emplace_back(kPoses);
@@ -108,6 +116,7 @@ struct Subject {
     }
   }
 
+  std::string name;
   Machine machine;
   Plan plan;
   std::shared_ptr<const kernel::FlatPlan> flat;
@@ -120,12 +129,61 @@ struct Subject {
   kernel::Setting setting;
 };
 
+/// What the compiler may round differently in the same code, mm and rad.
+constexpr double kSameStep = 1e-7;
+
 struct Candidate {
   std::string name;
   std::function<void()> run;  ///< kPoses poses
   std::string note;
   double best = 1e300;  ///< ns per pose
 };
+
+/// The kernel's code for one topology, beside the kernel; false: it computes something else.
+bool add_fixed(const std::string& name, Subject& s, std::vector<Candidate>& candidates) {
+  bench::FixedTopology fixed = nullptr;
+#if defined(__x86_64__)
+  if (name == "avx2") fixed = bench::correct_fixed_avx2;
+  if (name == "avx512") fixed = bench::correct_fixed_avx512;
+#endif
+  if (fixed == nullptr) return true;
+  const auto run = [&s, fixed] {
+    return fixed(s.flat->view(), s.setting, s.from.data(), kPoses, s.to.data(), s.last.data());
+  };
+  s.setting.exact_steps = 0;
+  kernel::named(name)->correct_poses(s.flat->view(), s.setting, s.from.data(), kPoses, s.to.data(),
+                                     s.last.data(), s.lanes.data());
+  const auto expected = s.corrected;
+  double difference = run() ? 0 : 1;
+  for (std::size_t k = 0; k < expected.size(); ++k)
+    for (std::size_t i = 0; i < kPoses; ++i)
+      difference = std::max(difference, std::abs(s.corrected[k][i] - expected[k][i]));
+  if (difference > kSameStep) {
+    std::fprintf(stderr, "%s: the fixed topology is not the machine's (%g)\n", name.c_str(), difference);
+    return false;
+  }
+  candidates.push_back({name + " batch, first order, fixed table-table", run, "", 1e300});
+  return true;
+}
+
+/// What a chain known only at run time costs, and how far the topologies are apart.
+void print_spread(const std::string& name, const std::vector<Candidate>& candidates) {
+  const std::string batch = name + " batch, first order, ";
+  double least = 1e300, most = 0, first = 0, fixed = 0;
+  for (const Candidate& c : candidates) {
+    if (c.best > 1e200 || c.name.rfind(batch, 0) != 0 || c.name == batch + "table-table, scattered") continue;
+    if (c.name == batch + "table-table") first = c.best;
+    if (c.name == batch + "fixed table-table") {
+      fixed = c.best;
+      continue;
+    }
+    least = std::min(least, c.best);
+    most = std::max(most, c.best);
+  }
+  if (most > 0) std::printf("%s: slowest topology / fastest %.2f", name.c_str(), most / least);
+  if (most > 0 && fixed > 0) std::printf(", run-time topology / compile-time %.2f", first / fixed);
+  if (most > 0) std::printf("\n");
+}
 
 KDL::Chain kdl_chain(const Machine& machine) {
   KDL::Chain chain;
@@ -154,7 +212,8 @@ KDL::Chain kdl_chain(const Machine& machine) {
 int main(int argc, char** argv) {
   const int rounds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 40;
   std::vector<std::unique_ptr<Subject>> subjects;
-  for (const Topology& topology : kTopologies) subjects.push_back(std::make_unique<Subject>(topology));
+  for (const Topology& topology : kTopologies) subjects.push_back(std::make_unique<Subject>(topology, false));
+  subjects.push_back(std::make_unique<Subject>(kTopologies[0], true));
   Subject& first = *subjects.front();
   std::vector<Candidate> candidates;
 
@@ -223,11 +282,12 @@ int main(int argc, char** argv) {
         batch();
         s.worst(linear, rotary);
         std::snprintf(note, sizeof note, "%.1e mm, %.1e rad from converged", linear, rotary);
-        const std::string what = std::string(steps == 0 ? "first order" : "exact") + ", " + s.machine.name;
+        const std::string what = std::string(steps == 0 ? "first order" : "exact") + ", " + s.name;
         candidates.push_back({std::string(name) + " batch, " + what, batch, note, 1e300});
         if (&s == &first) candidates.push_back({std::string(name) + " single, " + what, single, "", 1e300});
       }
     }
+    if (!add_fixed(name, first, candidates)) return 1;
   }
 
   const std::string wanted = argc > 2 ? argv[2] : "";
@@ -249,5 +309,6 @@ int main(int argc, char** argv) {
     std::printf("%-46s %9.1f %10.1f %10.0f  %s\n", c.name.c_str(), c.best, unit / c.best, inverse_unit / c.best,
                 c.note.c_str());
   }
+  for (const char* name : {"baseline", "avx2", "avx512"}) print_spread(name, candidates);
   return 0;
 }

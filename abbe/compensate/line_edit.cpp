@@ -6,15 +6,14 @@
 namespace abbe {
 namespace {
 
-/// Bytes behind data() of a std::string that may be read whatever its size is.
-constexpr std::size_t kOwnBytes = 16;
-static_assert(sizeof(std::string) == 2 * kOwnBytes, "a library whose strings have no 16 bytes of their own");
+/// The bytes of most pieces between numbers: a blank and a letter.
+constexpr std::size_t kShortPiece = 3;
 
 }  // namespace
 
 void LineEdit::reset(const Block& block) {
   block_ = &block;
-  replaced_ = removed_ = 0;
+  replaced_ = removed_ = spelled_later_ = 0;
   added_.clear();
   // "G1X1Y2" gets "Z3", "G1 X1 Y2" and "X1" get " Z3".
   spaced_ = block.count < 2 || block.words[1].begin != block.words[0].end;
@@ -25,8 +24,17 @@ std::size_t LineEdit::index_of(const Word& word) const { return static_cast<std:
 std::string& LineEdit::replace(const Word& word) {
   const std::size_t i = index_of(word);
   replaced_ |= std::uint64_t{1} << i;
+  spelled_later_ &= ~(std::uint64_t{1} << i);
   numbers_[i].clear();
   return numbers_[i];
+}
+
+double LineEdit::replace(const Word& word, double number, int decimals) {
+  const std::size_t i = index_of(word);
+  if (!to_fixed(number, decimals, fixed_[i])) return append_fixed(replace(word), number, decimals);
+  replaced_ |= std::uint64_t{1} << i;
+  spelled_later_ |= std::uint64_t{1} << i;
+  return fixed_[i].value;
 }
 
 void LineEdit::remove(const Word& word) { removed_ |= std::uint64_t{1} << index_of(word); }
@@ -49,25 +57,19 @@ void LineEdit::append_to(std::string& out) const {
     return;
   }
   // Room for all there is, then what was written: one growth of the string instead of one per word.
-  std::size_t room = text.size() + added_.size() + kOwnBytes;
-  for (std::uint64_t left = replaced_; left != 0; left &= left - 1)
+  std::size_t room = text.size() + added_.size() + kFixedRoom * static_cast<std::size_t>(std::popcount(spelled_later_));
+  for (std::uint64_t left = replaced_ & ~spelled_later_; left != 0; left &= left - 1)
     room += numbers_[static_cast<std::size_t>(std::countr_zero(left))].size();
   const std::size_t begin = out.size();
   out.resize(begin + room);
   char* to = out.data() + begin;
-  // Most pieces are a blank and a letter, most numbers fit a string's own 16 bytes: no calls for them.
   const auto write = [&to](std::string_view bytes) {
-    if (bytes.size() > 3) {
+    if (bytes.size() > kShortPiece) {
       std::memcpy(to, bytes.data(), bytes.size());
     } else {
       for (std::size_t i = 0; i < bytes.size(); ++i) to[i] = bytes[i];
     }
     to += bytes.size();
-  };
-  const auto write_number = [&](const std::string& number) {
-    if (number.size() > kOwnBytes - 1) return write(number);
-    std::memcpy(to, number.data(), kOwnBytes);
-    to += number.size();
   };
   std::size_t at = 0;
   for (std::uint64_t left = replaced_ | removed_; left != 0; left &= left - 1) {
@@ -79,7 +81,11 @@ void LineEdit::append_to(std::string& out) const {
       write(text.substr(at, end - at));
     } else {
       write(text.substr(at, word.number - at));
-      write_number(numbers_[i]);
+      if ((spelled_later_ >> i & 1) != 0) {
+        to = write_fixed(to, fixed_[i]);
+      } else {
+        write(numbers_[i]);
+      }
     }
     at = word.end;
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <string_view>
 
+#include "abbe/core/number.h"
 #include "abbe/program/block.h"
 
 namespace abbe {
@@ -16,6 +17,8 @@ class LineEdit {
   void reset(const Block& block);
   /// Where the new number of a word goes: empty, to be appended to.
   [[nodiscard]] std::string& replace(const Word& word);
+  /// The word gets this number; returns it as it will be read (append_fixed).
+  double replace(const Word& word, double number, int decimals);
   void remove(const Word& word);
   /// Adds a word after the last one: what its number is appended to.
   [[nodiscard]] std::string& add(char letter);
@@ -31,9 +34,10 @@ class LineEdit {
 
   const Block* block_ = nullptr;
   bool spaced_ = true;
-  // Bit i = word i of the block; numbers_[i] is its new number.
+  // Bit i = word i of the block; its new number is fixed_[i] if it is spelled later, else numbers_[i].
   static_assert(Block::kMaxWords <= 64);
-  std::uint64_t replaced_ = 0, removed_ = 0;
+  std::uint64_t replaced_ = 0, removed_ = 0, spelled_later_ = 0;
+  std::array<FixedNumber, Block::kMaxWords> fixed_;
   std::array<std::string, Block::kMaxWords> numbers_;
   std::string added_;
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "abbe/core/number.h"
 
@@ -13,14 +14,16 @@ namespace {
 constexpr std::string_view kMark = "ABBE COMPENSATED";
 // Our mark stands in the header, never deeper.
 constexpr std::uint64_t kMarkLines = 40;
+// Half a digit, mm: finer ones need no allowance of their own.
+constexpr double kFineDigits = 0.2 * um;
 
 }  // namespace
 
 Rewriter::Rewriter(const Plan& plan, const AddressedAxes& axes, const RewriteJob& job, RewriteReport& report)
-    : job_(job), report_(report), machine_(plan.machine()), field_(plan, axes, job.probed_datum), findings_(job.name),
-      interpolation_(job.tolerance / 2),
-      angular_(machine_.has_angular_errors()), in_(job.setup.work_offsets),
-      out_(job.setup.work_offsets), tcp_(machine_.control.tcp), axes_(axes) {
+    : job_(job), shared_profile_(profile_of(job.setup)), profile_(*shared_profile_), report_(report), machine_(plan.machine()),
+      field_(plan, axes, job.probed_datum), findings_(job.name), interpolation_(job.tolerance / 2),
+      angular_(machine_.has_angular_errors()), modal_(start_of(profile_)), in_(job.setup), out_(job.setup),
+      tcp_(machine_.control.tcp), axes_(axes), frame_reported_(static_cast<std::size_t>(in_.frames.count())) {
   modal_.tcp_codes = machine_.control.codes;
   in_.turns = out_.turns = job.setup.start_turns;
   for (unsigned k = 0; k < 3; ++k) {
@@ -52,9 +55,9 @@ void Rewriter::warn(const char* code, std::string message, const char* why, cons
 }
 
 int Rewriter::decimals_of(const Word* word) const {
-  // 0.1 um in mm, 0.25 um in inch; a word that has more digits keeps them
-  const int profile = modal_.inch ? 5 : 4;
-  return word ? std::max<int>(profile, word->decimals) : profile;
+  // What the control resolves; where it reads finer numbers, a word that has more digits keeps them.
+  const int profile = modal_.inch ? profile_.numbers.decimals_inch : profile_.numbers.decimals_mm;
+  return word && profile_.numbers.finer ? std::max<int>(profile, word->decimals) : profile;
 }
 
 double Rewriter::half_digit(int decimals) const {
@@ -63,12 +66,31 @@ double Rewriter::half_digit(int decimals) const {
   return kHalf[static_cast<std::size_t>(std::min(decimals, 9))] * (1 + 1e-6);
 }
 
+/// How far words rounded to the control's increment may take an arc from its places: its ends and its centre are
+/// rounded. Finer digits are within the tolerance.
+double Rewriter::digit_room() const {
+  const double half = half_digit(decimals_of(nullptr)) * modal_.unit();
+  return half > kFineDigits ? 2 * std::numbers::sqrt2 * half : 0;
+}
+
 void Rewriter::end_line(std::string& out, std::size_t begin) {
-  if (out.size() - begin > kMaxBlockBytes) {
-    refuse_block("E-LINELEN", fmt::format("the compensated block would have {} bytes, {} is the limit", out.size() - begin, kMaxBlockBytes),
-                 "the control refuses longer lines", "shorten the comment, or break the block into two");
-  }
+  check_length(out.size() - begin);
   out += eol_;
+  ++report_.lines_out;
+}
+
+void Rewriter::check_length(std::size_t bytes) {
+  if (bytes <= profile_.text.block_bytes) return;
+  refuse_block("E-LINELEN", fmt::format("the compensated block would have {} bytes, {} is the limit", bytes, profile_.text.block_bytes),
+               "the control refuses longer lines", "shorten the comment, or break the block into two");
+}
+
+void Rewriter::add_block(std::string_view words, std::string_view eol, std::string& tail) {
+  const std::size_t begin = tail.size();
+  tail += block_.slash_text();
+  tail += words.substr(block_.slash ? 0 : 1);
+  check_length(tail.size() - begin);
+  tail += eol;
   ++report_.lines_out;
 }
 
@@ -88,6 +110,20 @@ void Rewriter::write_header(std::string& out) {
   }
 }
 
+// A program number may begin with ':' instead of O: it is read as one, and copied as it stands.
+std::optional<BlockError> Rewriter::read_line(std::string_view bytes) {
+  const bool numbered_skip = profile_.text.skip == Profile::Skip::numbered;
+  const std::size_t first = bytes.find_first_not_of(" \t");
+  const bool colon = profile_.text.colon && !any_block_ && first != std::string_view::npos && bytes[first] == ':';
+  if (!colon) return read_block(bytes, block_, numbered_skip);
+  std::string spelled(bytes);
+  spelled[first] = 'O';
+  auto error = read_block(spelled, block_, numbered_skip);
+  block_.text = without_eol(bytes);
+  block_.eol = bytes.substr(block_.text.size());
+  return error;
+}
+
 void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long, std::string& out) {
   number_ = number;
   // A tape leader of NUL bytes is not part of the first line's text.
@@ -96,7 +132,7 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
     out += bytes.substr(0, leader);
     bytes.remove_prefix(leader);
   }
-  const auto error = read_block(bytes, block_);
+  const auto error = read_line(bytes);
   eol_ = block_.eol;
   if (file_eol_.empty()) file_eol_ = std::string(eol_);
   if (ended_) return pass(out);  // the control does not read on
@@ -112,6 +148,7 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
                   "this program has been compensated already", "compensating twice doubles the correction",
                   "use the original program");
   }
+  if (!read_text_rules()) return;
   if (block_.percent) {
     if (!percent_seen_ && !any_block_) {
       percent_first_ = percent_seen_ = true;
@@ -122,7 +159,7 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
     }
     return pass(out);
   }
-  const bool program_number = !any_block_ && block_.count == 1 && block_.words[0].letter == 'O' && !block_.slash;
+  const bool program_number = profile_.text.program_number && !any_block_ && block_.count == 1 && block_.words[0].letter == 'O' && !block_.slash;
   if (!header_written_ && block_.count > 0 && !program_number) write_header(out);
   if (block_.count > 0) any_block_ = true;
   if (program_number) {
@@ -130,7 +167,7 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
     return write_header(out);
   }
   if (block_.count == 0) return pass(out);
-  if (block_.slash) {
+  if (block_.slash && profile_.text.skip != Profile::Skip::ignored) {
     using BlockDelete = ControlSetup::BlockDelete;
     if (job_.setup.block_delete == BlockDelete::on) return pass(out);
     if (job_.setup.block_delete == BlockDelete::unknown) {
@@ -139,13 +176,16 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
       return;
     }
   }
-  if (!read_instruction(block_, modal_, number, findings_, instruction_)) return;
+  if (!read_instruction(profile_, block_, modal_, number, findings_, instruction_)) return;
   if (instruction_.turns_axes && !turn_words_allowed()) return;
   execute(out);
 }
 
 void Rewriter::execute(std::string& out) {
   apply_modal(block_, instruction_, modal_);
+  if (profile_.numbers.integer_words != Profile::IntegerWords::units || !profile_.numbers.finer) {
+    if (!settle_numbers()) return;
+  }
   edit_.reset(block_);
   if (number_ == job_.trace_line) move_text_ = "no motion: copied";
   const Vec3 start = in_.m;
@@ -156,6 +196,7 @@ void Rewriter::execute(std::string& out) {
     const bool moves = instruction_.motion >= 0 && instruction_.motion != 800 &&
                        (instruction_.moves_axes || is_arc(instruction_.motion) || (is_cycle(instruction_.motion)));
     if (moves) {
+      if (!may_move()) return;
       ++report_.blocks.motion;
       motion(out);
     } else {
@@ -165,11 +206,16 @@ void Rewriter::execute(std::string& out) {
       if (edit_.changed()) ++report_.blocks.rewritten;
     }
   }
+  if (!smoothing_said_ && smooths_more_than_tolerance()) {
+    smoothing_said_ = true;
+    warn("W-SMOOTH", "the control's own smoothing is switched here: it is not modelled", "it may move the tool within its tolerance, after the correction",
+         "set that tolerance well below the one of the compensation");
+  }
   if (instruction_.ends) ended_ = true;
   if (number_ == job_.trace_line) {
     BlockTrace trace;
     const int active = in_.frames.active();
-    trace.frame = active < 6 ? fmt::format("G{}", 54 + active) : fmt::format("G59.{}", active - 5);
+    trace.frame = work_offset_label(active);
     if (const auto& work = in_.frames.work_offset(active)) trace.frame_origin = Vec3(work->origin[0], work->origin[1], work->origin[2]);
     trace.g92 = in_.frames.g92();
     trace.tool_offset = in_.frames.tool_offset();
@@ -190,7 +236,7 @@ void Rewriter::finish(std::string& out) {
   if (!header_written_ && !job_.header.empty() && !findings_.refused()) write_header(out);
   if (!ended_ && any_block_) {
     findings_.add(Severity::warning, "W-END", 0, "", 0, 1, "the program ends without M2, M30 or a closing '%'",
-                  "LinuxCNC runs it to here and then reports an error", "end it with M2");
+                  profile_.title + " runs it to here and then reports an error", "end it with M2");
   }
 }
 

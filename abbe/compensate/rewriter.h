@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -37,7 +38,7 @@ class Rewriter {
  private:
   /// One of the two controls.
   struct Side {
-    explicit Side(const std::array<std::optional<WorkOffset>, 9>& offsets) : frames(offsets) {}
+    explicit Side(const ControlSetup& setup) : frames(setup) {}
     Frames frames;
     Vec3 m = Vec3::Zero();          ///< point in machine coordinates, mm; meaningless for unknown axes
     Turns turns{};                  ///< of A B C, rad, counted through whole turns
@@ -62,12 +63,20 @@ class Rewriter {
 
   // rewriter.cpp: lines and blocks
   void execute(std::string& out);
+  std::optional<BlockError> read_line(std::string_view bytes);
+  bool read_text_rules();
+  bool settle_numbers();
+  bool may_move();
+  [[nodiscard]] bool smooths_more_than_tolerance() const;
   void pass(std::string& out);
   void write_header(std::string& out);
   void refuse(const Word& word, const char* code, std::string message, const char* why, const char* fix);
   void refuse_block(const char* code, std::string message, const char* why, const char* fix);
   void warn(const char* code, std::string message, const char* why, const char* fix);
   void end_line(std::string& out, std::size_t begin);
+  void check_length(std::size_t bytes);
+  /// A block of its own behind the one that is split: " X1.5 Y2.", with the block delete of the original.
+  void add_block(std::string_view words, std::string_view eol, std::string& tail);
 
   // rewriter_setting.cpp: tools and frames
   bool settings();
@@ -75,6 +84,7 @@ class Rewriter {
   bool tool_length();
   bool zero_group(std::string& out, bool& done);
   bool set_g92();
+  bool turn_frame();
   bool set_work_offset();
   void refresh_datum();
 
@@ -123,6 +133,7 @@ class Rewriter {
     Vec3 m = Vec3::Zero();
     Turns turns{};
     std::array<double, 3> numbers{};
+    double direction = 0;  ///< what is left between the tool axes, rad
     bool held = false;
   };
   std::optional<Stop> stop_at(const Move& move, double s, const Turns& from);
@@ -175,10 +186,13 @@ class Rewriter {
   double write_holes(const Holes& holes, const Vec3& shift, std::string& out, Vec3& p_out);
 
   [[nodiscard]] int decimals_of(const Word* word) const;
+  [[nodiscard]] double digit_room() const;
   [[nodiscard]] double half_digit(int decimals) const;  ///< program units
   [[nodiscard]] const Word* axis_word(int axis) const { return instruction_.find(block_, "XYZ"[axis]); }
 
   const RewriteJob& job_;
+  const std::shared_ptr<const Profile> shared_profile_;
+  const Profile& profile_;
   RewriteReport& report_;
   const Machine& machine_;
   CorrectionField field_;
@@ -209,8 +223,10 @@ class Rewriter {
   std::optional<int> selected_tool_, loaded_tool_;
   double gauge_ = 0;
   bool saved_g92_ = false;
+  bool offset_doubtful_ = false;  ///< the control may have dropped the tool offset
+  bool smoothing_said_ = false;
   bool datum_dirty_ = true;
-  std::array<bool, 9> frame_reported_{};
+  std::vector<bool> frame_reported_;
 
   bool percent_first_ = false, percent_seen_ = false, any_block_ = false, ended_ = false, header_written_ = false;
 

@@ -31,9 +31,6 @@ constexpr double kTurned = 0.1;
 // An arc whose radius is below this many tolerances and digits has no room to take up lost motion on its way.
 constexpr double kTightArc = 25;
 constexpr double kCoarsestDigit = 0.5 * um;
-// LinuxCNC (mm): radii at both ends differ by more than 100 times this, or by more than this and 0.1 %.
-constexpr double kCentreTolerance = 0.0282842712474619;  // 2 * 0.01 * sqrt(2)
-constexpr double kSpiralTolerance = 1e-3;
 
 }  // namespace
 
@@ -75,7 +72,8 @@ std::optional<Arc> Rewriter::nominal_arc(const Vec3& p0, const Vec3& p1) {
   const auto arc = arc_about(modal_.plane, p0, p1, ca, cb, clockwise, turns);
   if (!arc) return bad("an arc of radius zero", "the path is not defined", "check the centre");
   const double difference = std::abs(arc->r1 - arc->r0);
-  if (difference > 100 * kCentreTolerance || (difference > kCentreTolerance && difference > kSpiralTolerance * std::max(arc->r0, arc->r1))) {
+  const Profile::Arcs& arcs = profile_.arcs;
+  if (difference > arcs.limit || (difference > arcs.tolerance && difference > arcs.relative * std::max(arc->r0, arc->r1))) {
     return bad(fmt::format("the radius is {:.4f} mm at the start and {:.4f} mm at the end", arc->r0, arc->r1), "the control refuses it", "check the centre words");
   }
   return arc;
@@ -143,8 +141,8 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
     const auto arc = arc_about(modal_.plane, start, end, centre.a, centre.b, clockwise, turns);
     if (!arc || std::abs(arc->sweep - part.sweep) > kSweepSlack) return false;
     const double mismatch = std::abs(arc->r1 - arc->r0), spiral = std::abs(part.r1 - part.r0);
-    if (mismatch > spiral + kCentreTolerance / 2) return false;
-    return distance_to(*arc, targets_) <= interpolation_;
+    if (mismatch > spiral + profile_.arcs.tolerance / 2) return false;
+    return distance_to(*arc, targets_) <= interpolation_ + digit_room();
   };
   piece.keeps_radius = false;
   if (r && whole) {
@@ -307,10 +305,7 @@ bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
   const std::string_view inner_eol = file_eol_.empty() ? std::string_view("\n") : std::string_view(file_eol_);
   const auto end_block = [&](bool last) {
     if (blocks++ == 0) return;
-    tail += block_.slash ? "/" : "";
-    tail += extra.substr(block_.slash ? 0 : 1);
-    tail += last ? eol_ : inner_eol;
-    ++report_.lines_out;
+    add_block(extra, last ? eol_ : inner_eol, tail);
   };
   for (const Stretch& stretch : stretches_) {
     approach_ = stretch.approach;

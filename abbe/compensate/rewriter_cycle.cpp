@@ -52,7 +52,7 @@ bool Rewriter::read_holes(Holes& holes) {
   const double unit = modal_.unit();
   const Word* wr = instruction_.find(block_, 'R');
   const Word* wz = axis_word(holes.n);
-  const Word* wl = instruction_.find(block_, 'L');
+  const Word* wl = instruction_.find(block_, profile_.cycles.repeats);
   const auto bad = [&](const char* what, const char* why, const char* fix) {
     refuse_block("E-CYCLE", what, why, fix);
     return false;
@@ -73,6 +73,9 @@ bool Rewriter::read_holes(Holes& holes) {
   cycle_.has_r = cycle_.has_r || wr;
   cycle_.has_z = cycle_.has_z || wz;
   cycle_.refused = true;  // until it has been understood
+  if (profile_.cycles.xy_only && modal_.plane != Plane::xy) {
+    return bad("a cycle outside the XY plane", "which axis it drills along depends on the control's parameters", "drill in G17");
+  }
   if ((code == 740 || code == 840) && modal_.plane != Plane::xy) {
     return bad("tapping outside the XY plane", "LinuxCNC moves other axes than the program names", "tap in G17");
   }
@@ -92,10 +95,13 @@ bool Rewriter::read_holes(Holes& holes) {
   }
   cycle_.refused = false;
   const double repeats = wl ? wl->value : 1;
-  if (repeats < 1 || repeats > 9999 || repeats != std::floor(repeats)) return bad("L of a cycle is a number of repeats, 1 to 9999", "the holes are not defined", "correct L");
+  if (repeats < 1 || repeats > 9999 || repeats != std::floor(repeats)) return bad("the repeats of a cycle are a number from 1 to 9999", "the holes are not defined", "correct the word");
   holes.count = modal_.incremental ? static_cast<int>(repeats) : 1;
   holes.r = cycle_.r * unit + (modal_.incremental ? in_.cycle_level : 0.0);
   holes.z = cycle_.z * unit + (modal_.incremental ? holes.r : 0.0);
+  if (!profile_.cycles.level_below_r && in_.cycle_level < holes.r) {
+    return bad("the cycle begins below its R level", "controls differ in where it ends then", "go above R before");
+  }
   if (holes.z > holes.r) return bad("the bottom of the hole lies above R", "the control refuses it", "check Z and R");
   holes.first = p;
   for (const int k : {holes.a, holes.b}) {

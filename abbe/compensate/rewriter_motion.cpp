@@ -46,26 +46,24 @@ bool Rewriter::read_move(Move& move) {
     const auto active = static_cast<std::size_t>(frames.active());
     if (!frame_reported_[active]) {
       frame_reported_[active] = true;
-      const std::string name = active < 6 ? fmt::format("G{}", 54 + active) : fmt::format("G59.{}", active - 5);
-      refuse_block("E-WCS", fmt::format("the work offset {} is not known", name), "where on the machine the program runs, and so how large the errors are, depends on it",
+      refuse_block("E-WCS", fmt::format("the work offset {} is not known", work_offset_label(frames.active())), "where on the machine the program runs, and so how large the errors are, depends on it",
                    "give it: --offset G54=X..,Y..,Z.. (to about 1 mm), or the control's parameter file with --var");
     }
     return false;
   }
-  Vec3 p = frames.to_program(in_.m);
-  for (int k = 0; k < 3; ++k) {
+  // Coordinates stay in registers: stored one by one and loaded together they would have to be waited for.
+  const Vec3 p0 = frames.to_program(in_.m);
+  const auto coordinate = [&](int k) {
     const Word* word = axis_word(k);
-    if (!word) continue;
-    p[k] = word->value * modal_.unit() + (modal_.incremental ? p[k] : 0.0);
-  }
-  move.m1 = frames.to_machine(p);
+    return word ? word->value * modal_.unit() + (modal_.incremental ? p0[k] : 0.0) : p0[k];
+  };
+  const Vec3 m1 = frames.to_machine(Vec3(coordinate(0), coordinate(1), coordinate(2)));
   if (!modal_.incremental) move.known1 |= move.named & 7u;
   // A rotated frame mixes X and Y: one is known only with the other.
   if (frames.rotated() && (move.known1 & 3u) != 3u) move.known1 &= ~3u;
   // Axes that are not named stay exactly where they are.
-  for (int k = 0; k < 3; ++k) {
-    if (!(move.named & (1u << k)) && !(frames.rotated() && k < 2)) move.m1[k] = in_.m[k];
-  }
+  const unsigned moved = frames.rotated() ? move.named | 3u : move.named;
+  move.m1 = moved == 7 ? m1 : Vec3((moved & 1u) ? m1.x() : in_.m.x(), (moved & 2u) ? m1.y() : in_.m.y(), (moved & 4u) ? m1.z() : in_.m.z());
   return true;
 }
 
@@ -247,12 +245,12 @@ void Rewriter::put_feed_share(double fraction, bool first, std::string* extra) {
   append_fixed(first ? edit_.replace(*f) : *extra, f->value / fraction, std::max<int>(f->decimals, 4));
 }
 
-// What ends or stops the program happens after the motion: on a split block after the last piece.
+// Codes that act when the motion is done stand on the last piece of a split block.
 void Rewriter::stops_to_last(bool first, std::string* extra) {
-  if (!instruction_.stops) return;
+  if (!instruction_.after) return;
   for (int i = 0; i < block_.count; ++i) {
     const Word& word = block_.words[static_cast<std::size_t>(i)];
-    if (word.letter != 'M' || !stops_after_motion(static_cast<int>(word.value))) continue;
+    if (!acts_after_motion(profile_, word)) continue;
     if (first) {
       edit_.remove(word);
     } else {
@@ -283,7 +281,8 @@ double Rewriter::put(char letter, const Word* word, double number, int decimals,
     *extra += ' ';
     *extra += letter;
   }
-  return append_fixed(word ? edit_.replace(*word) : first ? edit_.add(letter) : *extra, number, decimals);
+  if (word) return edit_.replace(*word, number, decimals);
+  return append_fixed(first ? edit_.add(letter) : *extra, number, decimals);
 }
 
 void Rewriter::command(const Vec3& want, bool first, Vec3& p_out, std::string* extra, unsigned skip) {
@@ -314,10 +313,7 @@ void Rewriter::write_pieces(const Move& move, const std::vector<Piece>& pieces, 
     if (!last && first) stops_to_last(true, nullptr);
     if (!first && last) stops_to_last(false, &extra);
     if (first || extra.empty()) continue;  // empty: the rounded end is where the last piece went
-    tail += block_.slash ? "/" : "";
-    tail += extra.substr(block_.slash ? 0 : 1);
-    tail += last ? eol_ : inner_eol;
-    ++report_.lines_out;
+    add_block(extra, last ? eol_ : inner_eol, tail);
     const double part = (piece.s1 - piece.s0) * length;
     if (report_.shortest_split == 0 || part < report_.shortest_split) report_.shortest_split = part;
   }

@@ -18,8 +18,6 @@ std::optional<int> whole(const Word* word) {
   return static_cast<int>(word->value);
 }
 
-int frame_of(GCode wcs) { return wcs <= 590 ? (wcs - 540) / 10 : wcs - 585; }
-
 }  // namespace
 
 bool Rewriter::change_tool(std::optional<int> number) {
@@ -45,6 +43,12 @@ bool Rewriter::change_tool(std::optional<int> number) {
 }
 
 bool Rewriter::settings() {
+  const GCode zero = instruction_.zero;
+  if (in_.frames.turned() && ((zero >= 0 && zero != 40) || instruction_.wcs >= 0 || modal_.plane != Plane::xy)) {
+    refuse_block("E-ROTATION", "a frame, plane or reference position is chosen while a rotation is in force", "controls refuse it, or differ in what it means",
+                 "end the rotation before (G69)");
+    return false;
+  }
   if (const Word* t = instruction_.find(block_, 'T')) {
     const auto number = whole(t);
     if (!number) {
@@ -78,32 +82,62 @@ bool Rewriter::settings() {
   if (instruction_.tool_length >= 0 && !tool_length()) return false;
   if (instruction_.tcp >= 0) switch_tcp(instruction_.tcp == 1);
   if (instruction_.wcs >= 0) {
-    in_.frames.select(frame_of(instruction_.wcs));
-    out_.frames.select(frame_of(instruction_.wcs));
+    in_.frames.select(instruction_.wcs);
+    out_.frames.select(instruction_.wcs);
     datum_dirty_ = true;
   }
+  return instruction_.rotation < 0 || turn_frame();
+}
+
+// G68 X.. Y.. R..: what X and Y mean changes. They are known again when the program commands both.
+bool Rewriter::turn_frame() {
+  const Word* x = axis_word(0);
+  const Word* y = axis_word(1);
+  const Word* r = instruction_.find(block_, 'R');
+  const bool on = instruction_.rotation == 1;
+  if (on && (!x || !y || !r || modal_.plane != Plane::xy || modal_.incremental || in_.frames.rotated())) {
+    refuse_block("E-ROTATION", "a rotation is followed with X, Y and R, in G17 and G90, one at a time",
+                 "about which point the rest turns is not sure otherwise", "write G69, then G17 G90 G68 X.. Y.. R..");
+    return false;
+  }
+  const Vec3 centre = on ? Vec3(x->value * modal_.unit(), y->value * modal_.unit(), 0) : Vec3::Zero();
+  for (auto* side : {&in_, &out_}) side->frames.turn(centre, on ? r->value * deg : 0.0);
+  known_ &= ~3u;
+  withheld_ &= ~3u;
+  last_correction_.reset();
+  start_corrected_ = false;
   return true;
 }
 
 bool Rewriter::tool_length() {
   Vec3 tlo = in_.frames.tool_offset();
-  if (instruction_.tool_length == 490) {
+  const Word* number_word = instruction_.find(block_, 'H');
+  offset_doubtful_ = false;
+  if (profile_.tools.moves && (!axis_word(2) || modal_.incremental)) {
+    // Parameters say whether the axis moves at once: it is known again when the program commands it.
+    known_ &= ~4u;
+    withheld_ &= ~4u;
+    last_correction_.reset();
+    start_corrected_ = false;
+  }
+  if (instruction_.tool_length == 490 || (profile_.tools.h_needed && number_word && number_word->value == 0)) {
     tlo.setZero();
   } else if (instruction_.tool_length == 431) {
     for (int k = 0; k < 3; ++k) {
       if (const Word* word = axis_word(k)) tlo[k] = word->value * modal_.unit();
     }
   } else {
-    const Word* h = instruction_.find(block_, 'H');
-    const auto number = h ? whole(h) : loaded_tool_;
+    const auto number = number_word ? whole(number_word) : profile_.tools.h_needed ? std::nullopt : loaded_tool_;
     const auto entry = number ? job_.setup.tools.find(*number) : job_.setup.tools.end();
     if (entry == job_.setup.tools.end()) {
-      const std::string what = number ? fmt::format("tool {} is in no tool table", *number) : std::string("G43 without H and without a tool in the spindle");
+      const std::string what = number ? fmt::format("tool {} is in no tool table", *number) : std::string("G43 without H, or without a tool in the spindle");
       refuse_block("E-TOOL", what, "the control would move by an offset that is not known here",
                    "give the control's tool table: --tools tool.tbl");
       return false;
     }
     tlo = Vec3(entry->second.offset[0], entry->second.offset[1], entry->second.offset[2]);
+    if (profile_.tools.z_only) tlo.head<2>().setZero();
+    if (instruction_.tool_length == 440) tlo = -tlo;
   }
   // With TCP the control reckons with the new length from where the axes stand.
   const bool tcp = tcp_;
@@ -139,6 +173,7 @@ bool Rewriter::zero_group(std::string& out, bool& done) {
       // a point of the tip is a matter of all axes
       if (tcp_) named |= 7u;
       turned_ |= named >> 3;
+      offset_doubtful_ = offset_doubtful_ || (profile_.tools.home_cancels && (named & 4u) != 0);
       known_ &= ~named;
       withheld_ &= ~named;
       last_correction_.reset();
@@ -206,7 +241,7 @@ bool Rewriter::set_g92() {
     const int decimals = decimals_of(word) + 2;
     double v = word->value + (p_out[k] - p_in[k]) / modal_.unit();
     if (std::abs(v - word->value) > half_digit(decimals)) {
-      v = append_fixed(edit_.replace(*word), v, decimals);
+      v = edit_.replace(*word, v, decimals);
     } else {
       v = word->value;
     }
@@ -229,12 +264,16 @@ bool Rewriter::set_work_offset() {
     refuse_block("E-G10", "only G10 L2 and G10 L20 are followed", "other forms change the control's tool data", "set tool data outside the program");
     return false;
   }
-  if (!p || *p > 9 || (l == 2 && modal_.incremental) || (l == 20 && rotation)) {
+  // L20 with a further offset's number, where the control has those; else the offset numbered as G54 = 1.
+  const bool further = l == 20 && !profile_.offsets.l20_reads;
+  const int last = further ? profile_.offsets.further : profile_.offsets.fixed;
+  const int first = profile_.offsets.p0_active && !further ? 0 : 1;
+  if (!p || *p < first || *p > last || ((l == 2 || further) && modal_.incremental) || (l == 20 && rotation)) {
     refuse_block("E-G10", l == 2 && modal_.incremental ? "G10 L2 in G91" : "this form of G10 is not understood",
                  "the work offset that results is not known", "write G90 G10 L2 P1 X.. Y.. Z..");
     return false;
   }
-  const int index = *p == 0 ? in_.frames.active() : *p - 1;
+  const int index = *p == 0 ? in_.frames.active() : further ? kFixedWorkOffsets - 1 + *p : *p - 1;
   const auto known = in_.frames.work_offset(index);
   unsigned named = 0;
   for (int k = 0; k < 3; ++k) named |= axis_word(k) ? 1u << k : 0u;
@@ -244,7 +283,7 @@ bool Rewriter::set_work_offset() {
     return false;
   }
   WorkOffset in = known.value_or(WorkOffset{}), out = out_.frames.work_offset(index).value_or(WorkOffset{});
-  if (l == 20 && in.rotation != 0) {
+  if (l == 20 && !further && in.rotation != 0) {
     refuse_block("E-G10", "G10 L20 in a rotated work offset", "the offset that results is not followed", "use G10 L2");
     return false;
   }
@@ -253,7 +292,7 @@ bool Rewriter::set_work_offset() {
     const Word* word = axis_word(k);
     if (!word) continue;
     const double value = word->value * modal_.unit();
-    if (l == 2) {
+    if (l == 2 || further) {
       in.origin[i] = out.origin[i] = value;
       continue;
     }
@@ -268,7 +307,7 @@ bool Rewriter::set_work_offset() {
     const int decimals = decimals_of(word) + 2;
     double v = (at_out - in.origin[i]) / modal_.unit();
     if (std::abs(v - word->value) > half_digit(decimals)) {
-      v = append_fixed(edit_.replace(*word), v, decimals);
+      v = edit_.replace(*word, v, decimals);
     } else {
       v = word->value;
     }
@@ -278,7 +317,7 @@ bool Rewriter::set_work_offset() {
   in_.frames.set_work_offset(index, in);
   out_.frames.set_work_offset(index, out);
   datum_dirty_ = true;
-  move_text_ = l == 20 ? "G10 L20: the present correction is added to its values" : "G10 L2: followed";
+  move_text_ = l == 20 && !further ? "G10 L20: the present correction is added to its values" : "G10 L2: followed";
   return true;
 }
 

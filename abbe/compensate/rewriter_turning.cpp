@@ -17,8 +17,11 @@ constexpr double kLookSpacing = 10;  // mm
 constexpr double kLookTurn = 2 * deg;
 constexpr int kFewestLooks = 3, kMostLooks = 64;
 constexpr int kDeepest = 12;
-// Between its ends the tool axis may leave the straight course of the rotary axes by this, rad.
+// Between two stops the tool axis may be farther off than at both by this, rad.
 constexpr double kDirectionTolerance = 20 * urad;
+// Shorter pieces help nothing: the digits of their ends are larger than what they bend.
+constexpr double kShortestPiece = 0.05;       // mm
+constexpr double kSmallestTurn = 0.02 * deg;
 // The feed of the linear axes may change by this share.
 constexpr double kFeedChange = 0.1;
 // Smaller ways of rotary axes are rounding, rad.
@@ -187,6 +190,7 @@ std::optional<Rewriter::Stop> Rewriter::stop_at(const Move& move, double s, cons
   field_.set_stance({turns, stop.turns, tcp_});
   const auto c = correction_at(stop.m, withheld_, {});
   if (!c) return std::nullopt;
+  stop.direction = field_.miss(stop.m, stop.m + *c).direction;
   stop.m += *c;
   return stop;
 }
@@ -196,6 +200,8 @@ bool Rewriter::bends(const Move& move, const Stop& a, const Stop& b) {
   const double length = (b.m - a.m).norm();
   double angle = 0;
   for (std::size_t k = 0; k < 3; ++k) angle = std::max(angle, std::abs(b.turns[k] - a.turns[k]));
+  if (length < kShortestPiece && angle < kSmallestTurn) return false;
+  const double direction = std::max(a.direction, b.direction) + kDirectionTolerance;
   const int looks = std::clamp(static_cast<int>(std::ceil(std::max(length / kLookSpacing, angle / kLookTurn))), kFewestLooks, kMostLooks);
   for (int i = 1; i <= looks; ++i) {
     const double t = static_cast<double>(i) / (looks + 1), s = a.s + t * (b.s - a.s);
@@ -206,7 +212,7 @@ bool Rewriter::bends(const Move& move, const Stop& a, const Stop& b) {
     }
     field_.set_stance(stance);
     const auto miss = field_.miss(move.m0 + s * (move.m1 - move.m0), a.m + t * (b.m - a.m));
-    if (!(miss.position <= interpolation_ && (miss.direction <= kDirectionTolerance || a.held || b.held))) return true;
+    if (!(miss.position <= interpolation_ && (miss.direction <= direction || a.held || b.held))) return true;
   }
   return false;
 }
@@ -269,7 +275,8 @@ bool Rewriter::turn(const Move& move, std::string& out) {
     return false;
   }
   follow(move.m1 - move.m0, move.known0);
-  const Stop start{0, out_.m, out_.turns, {}, false};
+  Stop start{0, out_.m, out_.turns, {}, 0, false};
+  start.direction = field_.miss(move.m0, start.m).direction;
   const auto end = stop_at(move, 1, out_.turns);
   if (!end) return false;
   last_correction_.reset();  // the tip's error turns with the axes: no gradient along this move

@@ -280,6 +280,25 @@ std::optional<std::string_view> LineReader::next() {
   return line;
 }
 
+std::size_t LineReader::next(std::span<std::string_view> lines) {
+  const auto first = lines.empty() ? std::nullopt : next();
+  if (!first) return 0;
+  lines[0] = *first;
+  State& s = *state_;
+  std::size_t count = 1;
+  for (std::size_t length = 0; !s.too_long && count < lines.size() && (length = s.line_length()) != 0; ++count) {
+    // A long one is left to next().
+    if (length > kMaxLine) {
+      s.searched = s.begin;
+      break;
+    }
+    lines[count] = {s.buffer.data() + s.begin, length};
+    s.consume(length);
+    ++s.lines;
+  }
+  return count;
+}
+
 bool LineReader::too_long() const { return state_->too_long; }
 std::size_t LineReader::line_number() const { return state_->lines; }
 std::uint64_t LineReader::bytes_read() const { return state_->consumed; }

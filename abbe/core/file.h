@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -67,8 +68,12 @@ class LineReader {
   /// The next line, valid until the next call; nullopt at the end or after an I/O error.
   [[nodiscard]] std::optional<std::string_view> next();
 
+  /// Some next lines at once, valid until the next call: as many as are in memory and fit into `lines`. 0 at the
+  /// end or after an I/O error; a line that was cut comes alone.
+  [[nodiscard]] std::size_t next(std::span<std::string_view> lines);
+
   [[nodiscard]] bool too_long() const;             ///< the line just returned was cut
-  [[nodiscard]] std::size_t line_number() const;   ///< of the line just returned, from 1
+  [[nodiscard]] std::size_t line_number() const;   ///< of the line just returned (the last one), from 1
   [[nodiscard]] std::uint64_t bytes_read() const;  ///< consumed so far
   [[nodiscard]] const std::optional<FileError>& error() const;
   [[nodiscard]] FileIdentity identity() const;  ///< at the time of opening

@@ -7,11 +7,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <random>
+#include <span>
 #include <vector>
 
 namespace abbe {
@@ -353,6 +355,32 @@ TEST(LineReader, ReadingOnCountsTheSameLines) {
     EXPECT_EQ(fast.sha256(), slow.sha256());
     std::remove(path.c_str());
   }
+}
+
+TEST(LineReader, ManyLinesAreTheLinesOneByOne) {
+  std::mt19937_64 rng{9};
+  const std::string path = ::testing::TempDir() + "abbe_many_lines_" + std::to_string(::getpid());
+  for (int round = 0; round < 30; ++round) {
+    std::string text;
+    const std::size_t longest = round % 3 == 0 ? LineReader::kMaxLine + 3 : 90;
+    for (int k = 0; k < (round % 3 == 0 ? 20 : 9000); ++k)
+      text += std::string(rng() % longest, 'x') + (rng() % 5 == 0 ? "\r\n" : "\n");
+    if (round % 2 == 0) text += "end";
+    std::ofstream(path, std::ios::binary) << text;
+    auto one = LineReader::open(path), other = LineReader::open(path);
+    auto& slow = std::get<LineReader>(one);
+    auto& fast = std::get<LineReader>(other);
+    std::array<std::string_view, 7> lines;
+    while (const std::size_t count = fast.next(std::span(lines).first(1 + rng() % lines.size()))) {
+      for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(slow.next(), lines[i]);
+      ASSERT_EQ(fast.line_number(), slow.line_number());
+      ASSERT_EQ(fast.too_long(), slow.too_long());
+      ASSERT_EQ(fast.bytes_read(), slow.bytes_read());
+    }
+    EXPECT_FALSE(slow.next());
+    EXPECT_EQ(fast.sha256(), slow.sha256());
+  }
+  std::remove(path.c_str());
 }
 
 }  // namespace

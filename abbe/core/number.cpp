@@ -72,9 +72,6 @@ std::uint64_t digit_bytes(std::uint64_t n) {
   return tens | (twos - 10 * tens) << 8;
 }
 
-constexpr std::size_t kScaledSize =
-    24;  // room for a sign, 16 digits, the point and what is stored behind them
-
 // n with `decimals` <= 15 of its digits behind a point, n <= 2^52. Returns the count of bytes at `to` that
 // are the number, 17 at most; bytes behind them are written, too.
 std::size_t write_scaled(char* to, std::uint64_t n, int decimals) {
@@ -175,21 +172,34 @@ std::optional<double> read_number(std::string_view text) {
   return value;
 }
 
+bool to_fixed(double value, int decimals, FixedNumber& number) {
+  const auto [exact, n] = scale(std::abs(value), decimals);
+  if (!exact || decimals > kMaxScaledDecimals) return false;
+  number.digits = n;
+  number.decimals = decimals;
+  number.negative = value < 0 && n != 0;
+  // n <= 2^52 and 10^decimals are exact: this is the double nearest to what will be written.
+  const double seen = static_cast<double>(static_cast<std::int64_t>(n)) / kPower10[static_cast<std::size_t>(decimals)];
+  number.value = number.negative ? -seen : seen;
+  return true;
+}
+
+char* write_fixed(char* to, const FixedNumber& number) {
+  *to = '-';
+  to += number.negative ? 1 : 0;
+  return to + write_scaled(to, number.digits, number.decimals);
+}
+
 double append_fixed(std::string& out, double value, int decimals) {
   assert(std::isfinite(value) && std::abs(value) < 1e12 && decimals >= 0);
   if (!std::isfinite(value) || decimals < 0) return 0;
-  const auto [exact, n] = scale(std::abs(value), decimals);
-  if (!exact || decimals > kMaxScaledDecimals) return append_fixed_slow(out, value, decimals);
-
-  const bool negative = value < 0 && n != 0;
+  FixedNumber number;
+  if (!to_fixed(value, decimals, number)) return append_fixed_slow(out, value, decimals);
   // Written in place: copied from a buffer, the bytes just stored would have to be waited for.
-  const std::size_t begin = out.size(), sign = negative ? 1 : 0;
-  out.resize(begin + kScaledSize);
-  out[begin] = '-';
-  out.resize(begin + sign + write_scaled(out.data() + begin + sign, n, decimals));
-  // n <= 2^52 and 10^decimals are exact: this is the double nearest to what was written.
-  const double seen = static_cast<double>(n) / kPower10[static_cast<std::size_t>(decimals)];
-  return negative ? -seen : seen;
+  const std::size_t begin = out.size();
+  out.resize(begin + kFixedRoom);
+  out.resize(static_cast<std::size_t>(write_fixed(out.data() + begin, number) - out.data()));
+  return number.value;
 }
 
 double rounded(double value, int decimals) {

@@ -35,6 +35,21 @@ struct Decimal {
 /// `value` must be finite and |value| < 1e12. Returns the value that a reader will see.
 double append_fixed(std::string& out, double value, int decimals);
 
+/// A number on its way into a text: rounded, not yet spelled. It has less than 2^52 units of its last digit and 15
+/// decimals at most; others are a matter of append_fixed.
+struct FixedNumber {
+  std::uint64_t digits = 0;  ///< without the point
+  int decimals = 0;
+  bool negative = false;
+  double value = 0;          ///< what a reader will see
+};
+/// Bytes that write_fixed may touch: a sign, 16 digits, the point and what is stored behind them.
+inline constexpr std::size_t kFixedRoom = 25;
+
+/// append_fixed in two steps: the rounding (false: it does not fit), and the spelling. Returns the end of the text.
+[[nodiscard]] bool to_fixed(double value, int decimals, FixedNumber& number);
+[[nodiscard]] char* write_fixed(char* to, const FixedNumber& number);
+
 /// value rounded to `decimals` digits as append_fixed would write it.
 [[nodiscard]] double rounded(double value, int decimals);
 

@@ -48,6 +48,11 @@ void expect_as_library(double value, int decimals) {
   ASSERT_EQ(back.decimals, decimals);
   ASSERT_EQ(back.length, text.size() - 1);
   ASSERT_TRUE(same_bits(seen, rounded(value, decimals))) << text;
+  FixedNumber number;
+  if (!to_fixed(value, decimals, number)) return;
+  std::array<char, kFixedRoom> spelled;
+  ASSERT_EQ("X" + std::string(spelled.data(), write_fixed(spelled.data(), number)), text);
+  ASSERT_TRUE(same_bits(number.value, seen)) << text;
 }
 
 std::string draw_decimal(std::mt19937_64& rng, int max_whole, int max_decimals) {

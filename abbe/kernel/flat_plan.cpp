@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "abbe/chain/plan_impl.h"
 #include "abbe/chain/walk.h"
+#include "abbe/kernel/single_steps.h"
 
 namespace abbe::kernel {
 namespace {
@@ -118,6 +120,7 @@ static_assert(static_cast<int>(Part::along) == 1 && static_cast<int>(Part::acros
 
 struct FlatPlan::Data {
   std::vector<FlatOp> actual, first_order;
+  SingleSteps single;
   std::vector<FlatGroup> groups;
   std::vector<FlatTable> tables;
   std::vector<Wave> waves;
@@ -191,9 +194,20 @@ std::shared_ptr<const FlatPlan> FlatPlan::make(const Plan& plan) {
     }
   }
 
+  data.single = single_steps(data.first_order);
+  for (const FlatOp& op : data.first_order) {
+    if (op.group < 0 || op.table != nullptr) continue;
+    const FlatGroup& group = data.groups[static_cast<std::size_t>(op.group)];
+    const auto first = static_cast<std::size_t>(group.tables - data.tables.data());
+    for (FlatTable& table : std::span(data.tables).subspan(first, group.table_count))
+      if (table.windows == nullptr) give_windows(table, data.single.windows);
+  }
+
   FlatView& view = out->view_;
   view.actual = data.actual.data();
   view.first_order = data.first_order.data();
+  view.single = data.single.steps.data();
+  view.single_count = static_cast<std::uint32_t>(data.single.steps.size());
   view.actual_count = static_cast<std::uint32_t>(data.actual.size());
   view.first_order_count = static_cast<std::uint32_t>(data.first_order.size());
   view.groups = data.groups.data();

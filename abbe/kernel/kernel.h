@@ -33,9 +33,14 @@ struct Kernel {
   /// The actual tip of one pose: q[axis], tip[0..2]. *lane |= outside.
   void (*one_tip)(const FlatView&, const double* tool_tip, const signed char* approach, const double* q,
                   double* tip, unsigned char* lane) = nullptr;
-  /// Corrected commands of `count` poses (all axes): a first-order step, then Setting::exact_steps Newton steps
-  /// on the exact model. last[i]: length of the last step, mm (rotary steps count 300 mm per rad). An unusual
-  /// lane's commands mean nothing. Needs corrects(view, free).
+  /// The actual tips of `count` poses with one tool and approach: tip[0..2][pose]. lanes[pose] |= outside.
+  void (*tips)(const FlatView&, const double* tool_tip, const signed char* approach, const double* const* q,
+               std::size_t count, double* const* tip, unsigned char* lanes) = nullptr;
+  /// Corrected commands of `count` poses (all axes): a first-order step, then Setting::exact_steps Newton
+  /// steps on the exact model. last[i]: length of the last step, mm (rotary steps count 300 mm per rad). An
+  /// unusual lane's commands mean nothing. Needs corrects(view, free). Batches do what they may in single
+  /// precision (docs/theory/kernels.md): a first-order correction is off by up to 1e-6 of itself and of the
+  /// way by which its rotary part moves the tip.
   void (*correct_poses)(const FlatView&, const Setting&, const double* const* q, std::size_t count,
                         double* const* corrected, double* last, unsigned char* lanes) = nullptr;
 };

@@ -44,11 +44,19 @@ void store(double* to, std::size_t first, std::size_t count, V v) {
 /// Commands of a packet and the flags of its lanes (bit i = lane i).
 template <class V>
 struct State {
-  V q[kMaxFlatAxes];
+  const V* q = nullptr;                         ///< per axis
   const double *tip = nullptr, *axis = nullptr;  ///< of the tool
   const signed char* approach = nullptr;
   unsigned outside = 0;
 };
+
+template <class V>
+using Op = FlatOpOf<Number<V>>;
+
+template <class V>
+inline void sine_and_cosine(const State<V>& state, int axis, V& s, V& c) {
+  sine_and_cosine(state.q[axis], s, c);
+}
 
 inline std::uint32_t segment_of(const FlatTable& table, double x) {
   const double place = (x - table.bucket_lo) * table.buckets_per_unit;
@@ -158,22 +166,24 @@ template <class V>
 
 /// Displacement d and rotation e of an error factor.
 template <class V>
-[[gnu::always_inline]] inline void evaluate(const FlatView& plan, const FlatOp& op, State<V>& state, Triple<V>& d, Triple<V>& e) {
+[[gnu::always_inline]] inline void evaluate(const FlatView& plan, const Op<V>& op, State<V>& state,
+                                            Triple<V>& d, Triple<V>& e) {
   V six[kComponents];
   if (op.table != nullptr) {
-    read_table<V>(*op.table, state, six);
+    read_table(*op.table, state, six);
     d = {six[0], six[1], six[2]};
     e = {six[3], six[4], six[5]};
     return;
   }
   const FlatGroup& group = plan.groups[op.group];
   if (group.table_count == 0) {
-    for (int k = 0; k < kComponents; ++k) six[k] = all<V>(group.constant[k]);
+    for (int k = 0; k < kComponents; ++k) six[k] = all<V>(static_cast<Number<V>>(group.constant[k]));
   } else {
     read_table(group.tables[0], state, six);
     for (std::uint32_t b = 1; b < group.table_count; ++b) {
       const FlatTable& table = group.tables[b];
-      const double weight = weight_of(table.direction, state.approach[table.direction_axis]);
+      const auto weight =
+          static_cast<Number<V>>(weight_of(table.direction, state.approach[table.direction_axis]));
       if (weight == 0) continue;
       V more[kComponents];
       read_table(table, state, more);
@@ -196,40 +206,74 @@ template <class V>
   }
 }
 
-/// Rot(u, q) of a turn, ready to act on several vectors.
-template <class V>
+/// Rot(u, q) of a turn of a kind, ready to act on several vectors.
+template <class V, FlatStep::About kAbout>
 struct Turn {
   V s, c;
-  FlatOp::About about;
-  V m[9];  ///< only about other axes
 
-  Turn(const FlatOp& op, V q) : about(op.about) {
-    sine_and_cosine(q, s, c);
-    if (about != FlatOp::About::other) {
-      s = s * (op.u[0] + op.u[1] + op.u[2]);
-      return;
-    }
-    const V v = 1.0 - c;
-    const double x = op.u[0], y = op.u[1], z = op.u[2];
+  Turn(const Op<V>& op, V sine, V cosine) : s(sine * (op.u[0] + op.u[1] + op.u[2])), c(cosine) {}
+  [[nodiscard]] Triple<V> operator()(const Triple<V>& p) const {
+    using About = FlatStep::About;
+    if constexpr (kAbout == About::x) return {p.x, c * p.y - s * p.z, s * p.y + c * p.z};
+    if constexpr (kAbout == About::y) return {c * p.x + s * p.z, p.y, c * p.z - s * p.x};
+    if constexpr (kAbout == About::z) return {c * p.x - s * p.y, s * p.x + c * p.y, p.z};
+  }
+};
+template <class V>
+struct Turn<V, FlatStep::About::other> {
+  V m[9];
+
+  Turn(const Op<V>& op, V s, V c) {
+    const V v = Number<V>(1) - c;
+    const Number<V> x = op.u[0], y = op.u[1], z = op.u[2];
     m[0] = v * (x * x) + c, m[1] = v * (x * y) - s * z, m[2] = v * (x * z) + s * y;
     m[3] = v * (x * y) + s * z, m[4] = v * (y * y) + c, m[5] = v * (y * z) - s * x;
     m[6] = v * (x * z) - s * y, m[7] = v * (y * z) + s * x, m[8] = v * (z * z) + c;
   }
   [[nodiscard]] Triple<V> operator()(const Triple<V>& p) const {
-    switch (about) {
-      case FlatOp::About::x:
-        return {p.x, c * p.y - s * p.z, s * p.y + c * p.z};
-      case FlatOp::About::y:
-        return {c * p.x + s * p.z, p.y, c * p.z - s * p.x};
-      case FlatOp::About::z:
-        return {c * p.x - s * p.y, s * p.x + c * p.y, p.z};
-      case FlatOp::About::other:
-        break;
-    }
     return {m[0] * p.x + m[1] * p.y + m[2] * p.z, m[3] * p.x + m[4] * p.y + m[5] * p.z,
             m[6] * p.x + m[7] * p.y + m[8] * p.z};
   }
 };
+
+/// act(turn): asks for the kind of a turn once, not for every vector.
+template <class V, class Act>
+[[gnu::always_inline]] inline void with_turn(const Op<V>& op, const State<V>& state, const Act& act) {
+  using About = FlatStep::About;
+  V s, c;
+  sine_and_cosine(state, op.axis, s, c);
+  switch (op.about) {
+    case About::x:
+      return act(Turn<V, About::x>(op, s, c));
+    case About::y:
+      return act(Turn<V, About::y>(op, s, c));
+    case About::z:
+      return act(Turn<V, About::z>(op, s, c));
+    case About::other:
+      return act(Turn<V, About::other>(op, s, c));
+  }
+}
+
+/// p + q u
+template <class V>
+[[gnu::always_inline]] inline void slide(const Op<V>& op, const State<V>& state, Triple<V>& p) {
+  using About = FlatStep::About;
+  const V q = state.q[op.axis];
+  switch (op.about) {
+    case About::x:
+      p.x = p.x + q * op.u[0];
+      break;
+    case About::y:
+      p.y = p.y + q * op.u[1];
+      break;
+    case About::z:
+      p.z = p.z + q * op.u[2];
+      break;
+    case About::other:
+      p = p + broadcast<V>(op.u) * q;
+      break;
+  }
+}
 
 /// Exp(e) p with the coefficients s = sin t / t, k = (1 - cos t) / t^2.
 template <class V>
@@ -240,21 +284,23 @@ Triple<V> rotated(const Triple<V>& e, V s, V k, const Triple<V>& p) {
 
 /// The point, and if `Axis` the tool axis, through one step of the exact walk.
 template <class V, bool Axis>
-[[gnu::always_inline]] inline void step(const FlatView& plan, const FlatOp& op, State<V>& state, Triple<V>& p, Triple<V>& a) {
-  using Kind = FlatOp::Kind;
+[[gnu::always_inline]] inline void step(const FlatView& plan, const Op<V>& op, State<V>& state, Triple<V>& p,
+                                        Triple<V>& a) {
+  using Kind = FlatStep::Kind;
   switch (op.kind) {
     case Kind::tip:
       p = p + broadcast<V>(state.tip);
       break;
     case Kind::slide:
-      p = p + broadcast<V>(op.u) * state.q[op.axis];
+      slide(op, state, p);
       break;
-    case Kind::turn: {
-      const Turn<V> turn(op, state.q[op.axis]);
-      p = turn(p);
-      if (Axis) a = turn(a);
+    case Kind::turn:
+      with_turn(
+          op, state, [&](const auto& turn) __attribute__((always_inline)) {
+            p = turn(p);
+            if (Axis) a = turn(a);
+          });
       break;
-    }
     case Kind::affine: {
       const auto act = [&](const Triple<V>& v) {
         const double* m = op.a;
@@ -302,12 +348,22 @@ template <class V, bool Axis>
   if (op.moves_on) p = p + broadcast<V>(op.t);
 }
 
+/// Steps of a walk, one after the other: without errors if they are those of first order, whose twists only
+/// the first-order walk heeds.
 template <class V, bool Axis>
-void walk_actual(const FlatView& plan, State<V>& state, Triple<V>& p, Triple<V>& a) {
+void walk(const FlatView& plan, const FlatOp* steps, std::uint32_t count, State<V>& state, Triple<V>& p,
+          Triple<V>& a) {
   p = Triple<V>{};
   if (Axis) a = broadcast<V>(state.axis);
-  for (std::uint32_t i = 0; i < plan.actual_count; ++i)
-    step<V, Axis>(plan, plan.actual[i], state, p, a);
+  for (std::uint32_t i = 0; i < count; ++i) step<V, Axis>(plan, steps[i], state, p, a);
+}
+template <class V, bool Axis>
+void walk_actual(const FlatView& plan, State<V>& state, Triple<V>& p, Triple<V>& a) {
+  walk<V, Axis>(plan, plan.actual, plan.actual_count, state, p, a);
+}
+template <class V>
+void walk_nominal(const FlatView& plan, State<V>& state, Triple<V>& p, Triple<V>& a) {
+  walk<V, true>(plan, plan.first_order, plan.first_order_count, state, p, a);
 }
 
 }  // namespace

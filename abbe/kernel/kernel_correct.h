@@ -10,6 +10,8 @@ namespace {
 /// |det| of the two direction columns below which the rotary axes turn the tool about one line, and of the
 /// three linear directions below which they do not span space.
 constexpr double kLeastTurn = 1e-6, kLeastVolume = 1e-2, kNoEffect = 1e-8;
+/// The same where single precision would show.
+constexpr float kLeastTurnSingle = 0.1f, kLeastVolumeSingle = 0.1f;
 /// What a radian of a rotary step counts in Kernel::correct_poses' `last`, mm.
 constexpr double kRadianLength = 300;
 constexpr double kNowhere[3] = {0, 0, 0};
@@ -24,43 +26,40 @@ struct FirstOrder {
   Triple<V> position[kMaxFlatAxes], direction[kMaxFlatAxes];
 };
 
+/// The walk that finds a FirstOrder, step by step.
 template <class V>
-[[gnu::always_inline]] inline void walk_first_order(const FlatView& plan, const Setting& setting, State<V>& state, FirstOrder<V>& f) {
-  using Kind = FlatOp::Kind;
+struct FirstOrderWalk {
+  const FlatView& plan;
+  const Setting& setting;
+  State<V>& state;
+  FirstOrder<V>& f;
   // In registers as far as they go.
-  Triple<V> p = broadcast<V>(kNowhere), dp = p, rotation = p, a = broadcast<V>(setting.axis);
-  int seen[kMaxFlatAxes];
+  Triple<V> p, a, dp, rotation;
+  int seen[kMaxFlatAxes];  ///< free axes met so far
   int count = 0;
-  for (std::uint32_t i = 0; i < plan.first_order_count; ++i) {
-    const FlatOp& op = plan.first_order[i];
-    const bool free = op.axis >= 0 && (setting.free >> op.axis & 1) != 0;
+
+  [[gnu::always_inline]] FirstOrderWalk(const FlatView& of, const Setting& by, State<V>& at,
+                                        FirstOrder<V>& to)
+      : plan(of), setting(by), state(at), f(to) {
+    p = dp = rotation = broadcast<V>(kNowhere);
+    a = broadcast<V>(setting.axis);
+  }
+
+  [[gnu::always_inline]] void take(const Op<V>& op) {
+    using Kind = FlatStep::Kind;
     switch (op.kind) {
+      case Kind::tip:
+        p = p + broadcast<V>(state.tip);
+        break;
       case Kind::slide:
-        p = p + broadcast<V>(op.u) * state.q[op.axis];
-        if (free) {
-          f.position[op.axis] = broadcast<V>(op.u);
-          seen[count++] = op.axis;
-        }
+        slide(op, state, p);
+        if (!is_free(op)) break;
+        f.position[op.axis] = broadcast<V>(op.u);
+        seen[count++] = op.axis;
         break;
-      case Kind::turn: {
-        const Turn<V> turn(op, state.q[op.axis]);
-        p = turn(p);
-        a = turn(a);
-        dp = turn(dp);
-        rotation = turn(rotation);
-        for (int k = 0; k < count; ++k) {
-          const int axis = seen[k];
-          f.position[axis] = turn(f.position[axis]);
-          if ((plan.rotary >> axis & 1) != 0) f.direction[axis] = turn(f.direction[axis]);
-        }
-        if (free) {
-          const Triple<V> u = broadcast<V>(op.u);
-          f.position[op.axis] = cross(u, p);
-          f.direction[op.axis] = cross(u, a);
-          seen[count++] = op.axis;
-        }
+      case Kind::turn:
+        turn(op);
         break;
-      }
       case Kind::twist: {
         Triple<V> d, e;
         evaluate(plan, op, state, d, e);
@@ -76,16 +75,53 @@ template <class V>
         rotation = rotation + e;
         break;
       }
-      default:
-        step<V, false>(plan, op, state, p, a);
-        continue;
+      default:  // no other steps are of first order
+        break;
     }
     if (op.moves_on) p = p + broadcast<V>(op.t);
   }
-  f.p = p;
-  f.a = a;
-  f.dp = dp;
-  f.e = rotation;
+
+  [[gnu::always_inline]] void finish() {
+    f.p = p;
+    f.a = a;
+    f.dp = dp;
+    f.e = rotation;
+  }
+
+ private:
+  [[nodiscard]] bool is_free(const Op<V>& op) const { return (setting.free >> op.axis & 1) != 0; }
+
+  [[gnu::always_inline]] void turn(const Op<V>& op) {
+    with_turn(
+        op, state, [&](const auto& turned) __attribute__((always_inline)) {
+          p = turned(p);
+          a = turned(a);
+          dp = turned(dp);
+          rotation = turned(rotation);
+          for (int k = 0; k < count; ++k) {
+            const int axis = seen[k];
+            f.position[axis] = turned(f.position[axis]);
+            if ((plan.rotary >> axis & 1) != 0) f.direction[axis] = turned(f.direction[axis]);
+          }
+        });
+    if (!is_free(op)) return;
+    const Triple<V> u = broadcast<V>(op.u);
+    f.position[op.axis] = cross(u, p);
+    f.direction[op.axis] = cross(u, a);
+    seen[count++] = op.axis;
+  }
+};
+
+template <class V>
+[[gnu::always_inline]] inline void walk_first_order(const FlatView& plan, const Setting& setting,
+                                                    State<V>& state, FirstOrder<V>& f) {
+  FirstOrderWalk<V> walk(plan, setting, state, f);
+  if constexpr (sizeof(Number<V>) == sizeof(float)) {
+    for (std::uint32_t i = 0; i < plan.single_count; ++i) walk.take(plan.single[i]);
+  } else {
+    for (std::uint32_t i = 0; i < plan.first_order_count; ++i) walk.take(plan.first_order[i]);
+  }
+  walk.finish();
 }
 
 /// The free axes, sorted: three linear ones and up to two rotary ones.
@@ -111,49 +147,62 @@ inline FreeAxes free_axes_of(const FlatView& plan, const Setting& setting) {
 /// then the position (docs/theory/correction.md, equations 3 to 6).
 template <class V>
 struct Solver {
+  static constexpr bool kIsSingle = sizeof(Number<V>) == sizeof(float);
+  static constexpr Number<V> kTurn = kIsSingle ? kLeastTurnSingle : static_cast<Number<V>>(kLeastTurn),
+                             kVolume = kIsSingle ? kLeastVolumeSingle : static_cast<Number<V>>(kLeastVolume);
   const FreeAxes& axes;
   const FirstOrder<V>& f;
   Triple<V> turn_rows[2], move_rows[3];
   unsigned unusual = 0;
 
   Solver(const FreeAxes& free, const FirstOrder<V>& first_order) : axes(free), f(first_order) {
+    constexpr Number<V> one = 1;
     if (axes.rotary_count == 2) {
       // x = -a.(r x c1) / det, y = -a.(c0 x r) / det with det = a.(c0 x c1)
       const Triple<V>&c0 = f.direction[axes.rotary[0]], &c1 = f.direction[axes.rotary[1]];
       const V det = dot(f.a, cross(c0, c1));
-      const V inverse = 1.0 / det;
-      unusual |= lanes_within(det, kLeastTurn);
+      const V inverse = one / det;
+      unusual |= lanes_within(det, kTurn);
       turn_rows[0] = cross(c1, f.a) * inverse;
       turn_rows[1] = cross(f.a, c0) * inverse;
     } else if (axes.rotary_count == 1) {
       const Triple<V>& c = f.direction[axes.rotary[0]];
-      // An axis parallel to the tool turns it about itself: it rests.
-      V square = dot(c, c);
-      const unsigned idle = lanes_within(square, kNoEffect * kNoEffect);
-      for (int i = 0; idle != 0 && i < lanes_of<V>; ++i)
-        if ((idle >> i & 1) != 0) set_lane(square, i, __builtin_inf());
-      turn_rows[0] = c * (1.0 / square);
+      turn_rows[0] = c * (one / square_of(c));
     }
     const Triple<V>&a = f.position[axes.linear[0]], &b = f.position[axes.linear[1]],
           &c = f.position[axes.linear[2]];
     const Triple<V> bc = cross(b, c);
     const V volume = dot(a, bc);
-    const V inverse = 1.0 / volume;
-    unusual |= lanes_within(volume, kLeastVolume);
+    const V inverse = one / volume;
+    unusual |= lanes_within(volume, kVolume);
     move_rows[0] = bc * inverse;
     move_rows[1] = cross(c, a) * inverse;
     move_rows[2] = cross(a, b) * inverse;
   }
 
+  /// |c|^2; infinite where the axis is parallel to the tool and turns it about itself: there it rests.
+  V square_of(const Triple<V>& c) {
+    V square = dot(c, c);
+    if constexpr (kIsSingle) {
+      unusual |= lanes_within(square, kTurn * kTurn);
+    } else {
+      const unsigned idle = lanes_within(square, kNoEffect * kNoEffect);
+      for (int i = 0; idle != 0 && i < lanes_of<V>; ++i)
+        if ((idle >> i & 1) != 0) set_lane(square, i, __builtin_inf());
+    }
+    return square;
+  }
+
   /// q := q + dq that removes the residual; returns |dq|.
   V step(Triple<V> position, const Triple<V>& direction, V* q) const {
+    constexpr auto kRadianSquare = static_cast<Number<V>>(kRadianLength * kRadianLength);
     V square{};
     for (int i = 0; i < axes.rotary_count; ++i) {
       const int axis = axes.rotary[i];
       const V dq = -dot(turn_rows[i], direction);
       q[axis] = q[axis] + dq;
       position = position + f.position[axis] * dq;
-      square = square + dq * dq * (kRadianLength * kRadianLength);
+      square = square + dq * dq * kRadianSquare;
     }
     for (int i = 0; i < 3; ++i) {
       const V dq = -dot(move_rows[i], position);
@@ -167,30 +216,32 @@ struct Solver {
 template <class V>
 void correct_packet(const FlatView& plan, const Setting& setting, const FreeAxes& axes, const Source& from,
                     double* const* corrected, double* last, unsigned char* lanes) {
+  V q[kMaxFlatAxes];
+  for (int i = 0; i < plan.axis_count; ++i) q[i] = load<V>(from, i);
   State<V> state;
+  state.q = q;
   state.tip = setting.tip;
   state.axis = setting.axis;
   state.approach = setting.approach;
-  for (int i = 0; i < plan.axis_count; ++i) state.q[i] = load<V>(from, i);
   FirstOrder<V> f;
   walk_first_order(plan, setting, state, f);
   const Solver<V> solver(axes, f);
   const Triple<V> shift = broadcast<V>(setting.shift);
   const Triple<V> target = f.p + shift;
   V rotary_before[2] = {};
-  for (int i = 0; i < axes.rotary_count; ++i) rotary_before[i] = state.q[axes.rotary[i]];
-  V size = solver.step(f.dp - shift, cross(f.e, f.a), state.q);
+  for (int i = 0; i < axes.rotary_count; ++i) rotary_before[i] = q[axes.rotary[i]];
+  V size = solver.step(f.dp - shift, cross(f.e, f.a), q);
   for (int i = 0; i < setting.exact_steps; ++i) {
     Triple<V> p, a;
     state.outside = 0;
     walk_actual<V, true>(plan, state, p, a);
-    size = solver.step(p - target, a - f.a, state.q);
+    size = solver.step(p - target, a - f.a, q);
   }
   unsigned unusual = solver.unusual | lanes_outside(size, 0.0, kMostStep);
   for (int i = 0; i < axes.rotary_count; ++i) {
-    unusual |= lanes_outside(state.q[axes.rotary[i]] - rotary_before[i], -setting.max_rotary, setting.max_rotary);
+    unusual |= lanes_outside(q[axes.rotary[i]] - rotary_before[i], -setting.max_rotary, setting.max_rotary);
   }
-  for (int i = 0; i < plan.axis_count; ++i) store(corrected[i], from.first, from.count, state.q[i]);
+  for (int i = 0; i < plan.axis_count; ++i) store(corrected[i], from.first, from.count, q[i]);
   store(last, from.first, from.count, size);
   if ((unusual | state.outside) == 0) return;
   for (int i = 0; i < lanes_of<V> && from.first + static_cast<std::size_t>(i) < from.count; ++i) {

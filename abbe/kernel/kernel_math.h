@@ -24,11 +24,28 @@ typedef double Packet __attribute__((vector_size(kNativeLanes > 2 ? 32 : 16)));
 /// Registers that hold the six components of a row.
 constexpr std::size_t kNatives = (kComponents + kNativeLanes - 1) / kNativeLanes;
 
+/// What a lane of V is.
 template <class V>
-constexpr int lanes_of = static_cast<int>(sizeof(V) / sizeof(double));
+struct NumberOf {
+  using type = double;
+};
+#if defined(__AVX2__)
+#define ABBE_KERNEL_HAS_SINGLES
+/// Poses side by side in single precision: one register of them.
+typedef float Single __attribute__((vector_size(8 * kNativeLanes)));
+template <>
+struct NumberOf<Single> {
+  using type = float;
+};
+#endif
+template <class V>
+using Number = typename NumberOf<V>::type;
 
 template <class V>
-inline double lane(const V& v, int i) {
+constexpr int lanes_of = static_cast<int>(sizeof(V) / sizeof(Number<V>));
+
+template <class V>
+inline Number<V> lane(const V& v, int i) {
   if constexpr (lanes_of<V> == 1) {
     return v;
   } else {
@@ -36,7 +53,7 @@ inline double lane(const V& v, int i) {
   }
 }
 template <class V>
-inline void set_lane(V& v, int i, double x) {
+inline void set_lane(V& v, int i, Number<V> x) {
   if constexpr (lanes_of<V> == 1) {
     v = x;
   } else {
@@ -44,12 +61,10 @@ inline void set_lane(V& v, int i, double x) {
   }
 }
 
-/// x in every lane.
+/// x in every lane. The difference is no work: x - 0 is x for every number.
 template <class V>
-inline V all(double x) {
-  V v;
-  for (int i = 0; i < lanes_of<V>; ++i) set_lane(v, i, x);
-  return v;
+inline V all(Number<V> x) {
+  return x - V{};
 }
 
 /// The integers of a comparison: all bits of a lane set where it holds.
@@ -57,8 +72,22 @@ template <class V>
 struct MaskOf {
   typedef long long type __attribute__((vector_size(sizeof(V))));
 };
+#if defined(ABBE_KERNEL_HAS_SINGLES)
+typedef int SingleMask __attribute__((vector_size(sizeof(Single))));
+template <>
+struct MaskOf<Single> {
+  typedef SingleMask type;
+};
 
 /// Bit i: lane i of a comparison holds.
+inline unsigned bits_of(const SingleMask& mask) {
+#if defined(__AVX512F__)
+  return _mm512_movepi32_mask((__m512i)mask);
+#else
+  return static_cast<unsigned>(_mm256_movemask_ps((__m256)mask));
+#endif
+}
+#endif
 template <class M>
 inline unsigned bits_of(const M& mask) {
 #if defined(__AVX512F__)
@@ -80,22 +109,31 @@ constexpr unsigned kAllLanes = (1u << lanes_of<V>)-1;
 
 /// Bit i: lane i is not in [lo, hi] (or no number).
 template <class V>
-inline unsigned lanes_outside(const V& v, double lo, double hi) {
+inline unsigned lanes_outside(const V& v, Number<V> lo, Number<V> hi) {
   if constexpr (lanes_of<V> == 1) {
     return v >= lo && v <= hi ? 0u : 1u;
   } else {
-    return ~bits_of<typename MaskOf<V>::type>((v >= lo) & (v <= hi)) & kAllLanes<V>;
+    return ~bits_of(static_cast<typename MaskOf<V>::type>((v >= lo) & (v <= hi))) & kAllLanes<V>;
   }
 }
 /// Bit i: |lane i| < limit (or no number).
 template <class V>
-inline unsigned lanes_within(const V& v, double limit) {
+inline unsigned lanes_within(const V& v, Number<V> limit) {
   if constexpr (lanes_of<V> == 1) {
     return v >= limit || v <= -limit ? 0u : 1u;
   } else {
-    return ~bits_of<typename MaskOf<V>::type>((v >= limit) | (v <= -limit)) & kAllLanes<V>;
+    return ~bits_of(static_cast<typename MaskOf<V>::type>((v >= limit) | (v <= -limit))) & kAllLanes<V>;
   }
 }
+
+#if defined(__AVX512F__)
+// Comparisons of singles stay in mask registers.
+inline unsigned lanes_outside(const Single& v, float lo, float hi) {
+  const __m512 x = (__m512)v;
+  const unsigned above = _mm512_cmp_ps_mask(x, (__m512)all<Single>(lo), _CMP_GE_OQ);
+  return ~(above & _mm512_cmp_ps_mask(x, (__m512)all<Single>(hi), _CMP_LE_OQ)) & kAllLanes<Single>;
+}
+#endif
 
 template <class V>
 inline V root(V v) {
@@ -111,6 +149,15 @@ inline V root(V v) {
   for (int i = 0; i < lanes_of<V>; ++i) set_lane(v, i, __builtin_sqrt(lane(v, i)));
   return v;
 }
+#if defined(ABBE_KERNEL_HAS_SINGLES)
+inline Single root(const Single& v) {
+#if defined(__AVX512F__)
+  return (Single)_mm512_maskz_sqrt_ps(0xffff, (__m512)v);
+#else
+  return (Single)_mm256_sqrt_ps((__m256)v);
+#endif
+}
+#endif
 
 template <class V>
 struct Triple {
@@ -128,9 +175,10 @@ template <class V>
 inline Triple<V> cross(const Triple<V>& a, const Triple<V>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
-template <class V>
-inline Triple<V> broadcast(const double* v) {
-  return {all<V>(v[0]), all<V>(v[1]), all<V>(v[2])};
+template <class V, class From>
+inline Triple<V> broadcast(const From* v) {
+  using To = Number<V>;
+  return {all<V>(static_cast<To>(v[0])), all<V>(static_cast<To>(v[1])), all<V>(static_cast<To>(v[2]))};
 }
 
 /// Rounds to the nearest integer, |x| < 2^51.

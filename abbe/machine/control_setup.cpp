@@ -1,16 +1,43 @@
 #include "abbe/machine/control_setup.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
 #include <string_view>
+
+#include "abbe/core/number.h"
+#include "abbe/machine/read_profile.h"
 
 namespace abbe {
 
+std::shared_ptr<const Profile> profile_of(const ControlSetup& setup) {
+  return setup.profile ? setup.profile : embedded_profile("linuxcnc");
+}
+
+namespace {
+
+constexpr std::array<std::string_view, kFixedWorkOffsets> kNames{"G54", "G55",   "G56",   "G57",  "G58",
+                                                                 "G59", "G59.1", "G59.2", "G59.3"};
+constexpr int kMostFurther = 300;
+
+}  // namespace
+
+std::string work_offset_label(int index) {
+  if (index < kFixedWorkOffsets) return std::string(kNames[static_cast<std::size_t>(index)]);
+  return fmt::format("G54.1 P{}", index - kFixedWorkOffsets + 1);
+}
+
 std::optional<int> work_offset_index(std::string_view name) {
-  constexpr std::array<std::string_view, 9> kNames{"G54", "G55",   "G56",   "G57",  "G58",
-                                                   "G59", "G59.1", "G59.2", "G59.3"};
   const auto at = std::find(kNames.begin(), kNames.end(), name);
-  if (at == kNames.end()) return std::nullopt;
-  return static_cast<int>(at - kNames.begin());
+  if (at != kNames.end()) return static_cast<int>(at - kNames.begin());
+  for (const std::string_view start : {"G54.1P", "G54.1 P", "G154P", "G154 P"}) {
+    if (!name.starts_with(start)) continue;
+    const auto number = read_number(name.substr(start.size()));
+    if (!number || *number < 1 || *number > kMostFurther || *number != std::floor(*number)) return std::nullopt;
+    return kFixedWorkOffsets - 1 + static_cast<int>(*number);
+  }
+  return std::nullopt;
 }
 
 GaugeLength gauge_length(const ControlSetup& setup, const Machine& machine, std::optional<int> tool) {

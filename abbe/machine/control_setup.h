@@ -2,6 +2,7 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,7 @@
 
 #include "abbe/core/diagnostic.h"
 #include "abbe/machine/machine.h"
+#include "abbe/machine/profile.h"
 
 namespace abbe {
 
@@ -33,7 +35,9 @@ struct WorkOffset {
 /// What the control knows besides the program: given by the user, needed to know where the
 /// machine's axes really stand. Positions are X Y Z in mm.
 struct ControlSetup {
+  std::shared_ptr<const Profile> profile;                 ///< the control; null = LinuxCNC
   std::array<std::optional<WorkOffset>, 9> work_offsets;  ///< G54 G55 G56 G57 G58 G59 G59.1 G59.2 G59.3
+  std::map<int, WorkOffset> further_offsets;              ///< G54.1 P, G154 P: by number
   std::map<int, ToolEntry> tools;                         ///< by tool number
   std::map<int, double> gauges;                           ///< --gauge: tool number -> gauge length, mm
   std::optional<int> loaded_tool;  ///< in the spindle at the start; none = the machine file's tool
@@ -44,7 +48,14 @@ struct ControlSetup {
   bool tool_change_keeps_place = false;  ///< false: after M6 no axis is known to stand where it was
 };
 
-/// "G54" .. "G59", "G59.1" .. "G59.3" -> 0..8; nullopt otherwise.
+/// The profile of the setup; LinuxCNC's where none is given.
+[[nodiscard]] std::shared_ptr<const Profile> profile_of(const ControlSetup& setup);
+
+/// Work offsets are counted 0..8 = G54 .. G59.3, 8 + n = the further one n (G54.1 P, G154 P).
+inline constexpr int kFixedWorkOffsets = 9;
+/// "G59.3", "G54.1 P12" by that count.
+[[nodiscard]] std::string work_offset_label(int index);
+/// The same the other way round: "G54" .. "G59.3", "G54.1P12" and "G154P12"; nullopt otherwise.
 [[nodiscard]] std::optional<int> work_offset_index(std::string_view name);
 
 /// Reads a LinuxCNC tool table ("T1 P1 Z100.5 D10 ; mill gauge=112.4"). Lengths are in mm.

@@ -122,6 +122,7 @@ ErrorSection read_errors(const TomlNode& root, const std::vector<Body>& bodies, 
       auto function = functions.read(entry.value, entry.key, own_variable(term.body, bodies));
       if (!function) continue;
       term.function = std::move(function->function);
+      term.of_one_test = function->of_one_test;
       at->second.term = section.terms.size();
       section.terms.push_back(std::move(term));
       section.notes.push_back({entry.mark, function->extent});

@@ -18,17 +18,18 @@ struct FormKeys {
 };
 
 const std::vector<FormKeys> kForms{
-    {"poly", {"poly", "of", "reference", "domain", "times"}},
-    {"table", {"table", "interpolation", "periodic", "of", "reference", "domain", "times"}},
-    {"csv", {"csv", "column", "interpolation", "periodic", "of", "reference", "domain", "times"}},
-    {"sine", {"sine", "of", "reference", "domain", "times"}},
-    {"grid", {"grid", "at", "of", "reference", "domain", "times"}},
-    {"forward", {"forward", "backward", "of", "domain", "times"}},
+    {"poly", {"poly", "of", "reference", "domain", "times", "scope"}},
+    {"table", {"table", "interpolation", "periodic", "of", "reference", "domain", "times", "scope"}},
+    {"csv", {"csv", "column", "interpolation", "periodic", "of", "reference", "domain", "times", "scope"}},
+    {"sine", {"sine", "of", "reference", "domain", "times", "scope"}},
+    {"grid", {"grid", "at", "of", "reference", "domain", "times", "scope"}},
+    {"forward", {"forward", "backward", "of", "domain", "times", "scope"}},
 };
 
 const std::vector<std::string> kAllKeys{"poly",      "table",    "csv",           "sine",     "grid",
                                         "forward",   "backward", "interpolation", "periodic", "of",
-                                        "reference", "domain",   "times",         "column",   "at"};
+                                        "reference", "domain",   "times",         "column",   "at",
+                                        "scope"};
 
 constexpr std::string_view kFormList = "a form is one of poly, table, csv, sine, grid, forward and backward";
 
@@ -39,9 +40,10 @@ std::optional<ReadFunction> FunctionReader::read(const TomlNode& node, const std
   name_ = name;
   own_variable_ = own_variable;
   extent_.reset();
+  of_one_test_ = false;
   auto function = read_any(node, {});
   if (!function) return std::nullopt;
-  return ReadFunction{std::move(*function), extent_};
+  return ReadFunction{std::move(*function), extent_, of_one_test_};
 }
 
 std::optional<ErrorFunction> FunctionReader::read_uncertainty(const TomlNode& node, const std::string& name,
@@ -157,7 +159,7 @@ std::optional<std::string_view> FunctionReader::form_of(const TomlNode& table) {
 
 FunctionReader::Function FunctionReader::read_table_form(const TomlNode& table, const Inherited& inherited) {
   const auto form = form_of(table);
-  if (!form) return std::nullopt;
+  if (!form || !read_scope(table)) return std::nullopt;
   auto function = read_form(*form, table, inherited);
   const TomlEntry* times = table.find("times");
   if (times == nullptr) return function;
@@ -167,6 +169,16 @@ FunctionReader::Function FunctionReader::read_table_form(const TomlNode& table, 
   factors.push_back(std::move(*function));
   factors.push_back(std::move(*factor));
   return ErrorFunction::product(std::move(factors));
+}
+
+/// scope = "test": true only of the test it was identified from (sines of its time, say), not of the machine.
+bool FunctionReader::read_scope(const TomlNode& table) {
+  const TomlEntry* entry = table.find("scope");
+  if (entry == nullptr) return true;
+  const auto choice = read_choice(entry->value, {"machine", "test"}, "scope of " + name_, findings_);
+  if (!choice) return false;
+  of_one_test_ = of_one_test_ || *choice == 1;
+  return true;
 }
 
 FunctionReader::Function FunctionReader::read_form(std::string_view form, const TomlNode& table,

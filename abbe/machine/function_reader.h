@@ -18,6 +18,7 @@ namespace abbe {
 struct ReadFunction {
   ErrorFunction function;
   std::optional<std::array<double, 2>> extent;  ///< numbers of the machine file, before the reference
+  bool of_one_test = false;                     ///< some part of it says scope = "test"
 };
 
 /// Reads the functions of [errors] in every form of docs/machine-file.md: a number, a table of one
@@ -73,6 +74,7 @@ class FunctionReader {
   Function read_directional(const TomlNode& table, const Inherited& inherited);
 
   std::optional<std::string_view> form_of(const TomlNode& table);
+  bool read_scope(const TomlNode& table);
   std::optional<int> read_variable(const TomlNode& table);
   std::optional<Leaf> read_leaf(const TomlNode& table, const Inherited& inherited, bool constant = false);
   std::optional<Samples> csv_samples(const TomlNode& table, const Leaf& leaf);
@@ -92,6 +94,7 @@ class FunctionReader {
   std::string name_;
   int own_variable_ = -1;
   std::optional<std::array<double, 2>> extent_;
+  bool of_one_test_ = false;
 };
 
 }  // namespace abbe

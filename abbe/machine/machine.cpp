@@ -165,4 +165,11 @@ Machine as_believed(const Machine& machine) {
   return out;
 }
 
+std::vector<std::string> errors_of_one_test(const Machine& machine) {
+  std::vector<std::string> names;
+  for (const ErrorTerm& term : machine.errors)
+    if (term.of_one_test) names.push_back(to_string(term.name));
+  return names;
+}
+
 }  // namespace abbe

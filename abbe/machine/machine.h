@@ -85,6 +85,7 @@ struct ErrorTerm {
   ErrorFunction function;
   double scale = 1;
   std::optional<ErrorFunction> uncertainty;  ///< standard uncertainty, same scale
+  bool of_one_test = false;  ///< scope = "test": not true of the machine, only of the test it came from
 };
 
 /// [calibration]: copied into reports and headers.
@@ -143,5 +144,9 @@ struct BodyNumber {
 /// The error names that can act on this chain: six components per moving axis, and those of its six
 /// location names that its order carries (zero-position parts included).
 [[nodiscard]] std::vector<std::string> error_inventory(const Machine& machine);
+
+/// Names of the errors with scope = "test", in file order. They may be looked at, but no command of the machine
+/// may be corrected by them.
+[[nodiscard]] std::vector<std::string> errors_of_one_test(const Machine& machine);
 
 }  // namespace abbe

@@ -153,6 +153,20 @@ bool is_fresh(Run& run, const Input& input) {
   return false;
 }
 
+/// Errors that are true of one test only must not move the machine.
+bool errors_are_of_the_machine(Run& run) {
+  const std::vector<std::string> names = errors_of_one_test(run.plan.machine());
+  if (names.empty()) return true;
+  run.fail(ProgramEnd::refused,
+           about(run.plan.machine().files.empty() ? "machine" : run.plan.machine().files.back(), "E-SCOPE",
+                 fmt::format("{} {} true of one test only (scope = \"test\")", fmt::join(names, " "),
+                             names.size() == 1 ? "is" : "are"),
+                 "such a part depends on the feed and the time of that test; on another path it would be an error of "
+                 "its own",
+                 "remove it from the errors file, or identify it as a function of v. and a."));
+  return false;
+}
+
 bool calibration_holds(Run& run) {
   const auto& calibration = run.plan.machine().calibration;
   if (run.job.today.empty() || calibration.valid_to.empty() || run.job.today <= calibration.valid_to) return true;
@@ -231,6 +245,7 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   const char* verb = job.output.empty() ? "check" : "compensate";
   const auto input = open_input(run);
   if (!input || !paths_are_apart(run, *input) || !is_fresh(run, *input) || !calibration_holds(run)) return std::move(run.outcome);
+  if (!errors_are_of_the_machine(run)) return std::move(run.outcome);
   auto created = SpoolFile::create(job.output.empty() ? "-" : job.output);
   if (const auto* error = std::get_if<FileError>(&created)) {
     run.fail(job.output, *error);

@@ -41,7 +41,7 @@ class Lines {
       line_.number = reader_.line_number();
       std::string_view view = line_.bytes;
       if (line_.number == 1) view.remove_prefix(std::min(view.find_first_not_of('\0'), view.size()));
-      line_.understood = !read_block(view, line_.block);
+      line_.understood = !read_block(view, line_.block, true);
       ready_ = true;
     }
     return &line_;
@@ -202,7 +202,7 @@ DiffReport diff_programs(const std::string& original, const std::string& output,
     const Line whole = *a;
     std::string_view whole_view = whole.bytes;
     Line kept = whole;
-    static_cast<void>(read_block(whole_view, kept.block));
+    static_cast<void>(read_block(whole_view, kept.block, true));
     const std::array<double, 3> start = at;
     const bool closed = has_centre(kept.block) && !find(kept.block, 'X') && !find(kept.block, 'Y') && !find(kept.block, 'Z');
     const auto reached = [&](const Block& block) {

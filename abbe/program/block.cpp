@@ -65,26 +65,32 @@ bool read_spaced_number(std::string_view text, std::size_t at, Word& word, std::
   return true;
 }
 
-/// The usual word: a letter, at once its number, then the end or a blank and a letter. False: nothing was read.
-bool read_plain_word(std::string_view text, std::size_t& at, Block& block) {
-  if (block.count == Block::kMaxWords) return false;
-  double value = 0;
-  int decimals = 0;
-  const char* const behind = read_plain_decimal(text.data(), text.data() + at + 1, text.data() + text.size(), value, decimals);
-  if (behind == nullptr) return false;
-  const auto end = static_cast<std::size_t>(behind - text.data());
-  const std::size_t next = end + (end < text.size() && text[end] == ' ' ? 1 : 0);
-  if (next < text.size() && (text[next] < 'A' || text[next] > 'Z')) return false;
-  Word& word = block.words[static_cast<std::size_t>(block.count++)];
-  word.letter = text[at];
-  word.tidy = true;
-  word.begin = static_cast<std::uint16_t>(at);
-  word.number = static_cast<std::uint16_t>(at + 1);
-  word.end = block.words_end = static_cast<std::uint16_t>(end);
-  word.decimals = static_cast<std::uint16_t>(decimals);
-  word.value = value;
-  at = next;
-  return true;
+/// Usual words: a letter, at once its number, then the end or a blank and the next letter. Reads as many as there
+/// are from `at` on and returns where they end.
+std::size_t read_plain_words(std::string_view text, std::size_t at, Block& block) {
+  const char* const begin = text.data();
+  const char* const end = begin + text.size();
+  const char* p = begin + at;
+  const auto is_capital = [](char c) { return c >= 'A' && c <= 'Z'; };
+  int count = block.count;
+  while (p != end && is_capital(*p) && count < Block::kMaxWords) {
+    Word& word = block.words[static_cast<std::size_t>(count)];
+    int decimals = 0;
+    const char* const behind = read_plain_decimal(begin, p + 1, end, word.value, decimals);
+    if (behind == nullptr) break;
+    const char* const next = behind + (behind != end && *behind == ' ' ? 1 : 0);
+    if (next != end && !is_capital(*next)) break;
+    word.letter = *p;
+    word.tidy = true;
+    word.begin = static_cast<std::uint16_t>(p - begin);
+    word.number = static_cast<std::uint16_t>(word.begin + 1);
+    word.end = block.words_end = static_cast<std::uint16_t>(behind - begin);
+    word.decimals = static_cast<std::uint16_t>(decimals);
+    p = next;
+    ++count;
+  }
+  block.count = count;
+  return static_cast<std::size_t>(p - begin);
 }
 
 BlockError no_number(char letter, std::size_t at) {
@@ -101,11 +107,11 @@ std::string_view without_eol(std::string_view line) {
 
 namespace {
 
-std::optional<BlockError> read_words(std::string_view line, Block& block) {
+std::optional<BlockError> read_words(std::string_view line, Block& block, bool numbered_skip) {
   block.text = without_eol(line);
   block.eol = line.substr(block.text.size());
-  block.slash = block.percent = block.has_comment = false;
-  block.slash_end = block.words_end = 0;
+  block.slash = block.percent = block.has_comment = block.has_semicolon = false;
+  block.slash_begin = block.slash_end = block.words_end = 0;
   block.count = 0;
   const std::string_view text = block.text;
   if (text.size() > kMaxBlockBytes) {
@@ -122,8 +128,9 @@ std::optional<BlockError> read_words(std::string_view line, Block& block) {
   }
   if (at < text.size() && text[at] == '/') {
     block.slash = true;
-    block.slash_end = block.words_end = static_cast<std::uint16_t>(at + 1);
-    ++at;
+    block.slash_begin = static_cast<std::uint16_t>(at++);
+    if (numbered_skip && at < text.size() && text[at] >= '1' && text[at] <= '9') ++at;
+    block.slash_end = block.words_end = static_cast<std::uint16_t>(at);
   }
   while (at < text.size()) {
     const char c = text[at];
@@ -131,12 +138,16 @@ std::optional<BlockError> read_words(std::string_view line, Block& block) {
       ++at;
       continue;
     }
-    if (c >= 'A' && c <= 'Z' && read_plain_word(text, at, block)) continue;
+    const std::size_t behind = read_plain_words(text, at, block);
+    if (behind != at) {
+      at = behind;
+      continue;
+    }
     at = skip_blanks(text, at);
     if (at == text.size()) break;
     switch (kind_of(text[at])) {
       case Kind::semicolon:
-        block.has_comment = true;
+        block.has_comment = block.has_semicolon = true;
         return std::nullopt;
       case Kind::open: {
         const std::size_t close = text.find(')', at);
@@ -202,8 +213,8 @@ std::optional<BlockError> read_words(std::string_view line, Block& block) {
 
 }  // namespace
 
-std::optional<BlockError> read_block(std::string_view line, Block& block) {
-  std::optional<BlockError> error = read_words(line, block);
+std::optional<BlockError> read_block(std::string_view line, Block& block, bool numbered_skip) {
+  std::optional<BlockError> error = read_words(line, block, numbered_skip);
   if (!error || (error->code != std::string_view("E-NUMBER") && error->code != std::string_view("E-EXPR"))) return error;
   // O100 SUB, O<NAME> CALL: what is not a word belongs to the subprogram or loop.
   const std::string_view text = block.text;

@@ -28,10 +28,16 @@ struct Block {
   bool slash = false;           ///< block delete
   bool percent = false;         ///< a line with '%' and nothing else
   bool has_comment = false;
-  std::uint16_t slash_end = 0;  ///< past the '/'
+  bool has_semicolon = false;   ///< a comment begins with ';'
+  std::uint16_t slash_begin = 0, slash_end = 0;  ///< of "/" or "/2"
   std::uint16_t words_end = 0;  ///< past the last word (or the slash): where words are added
   int count = 0;
   std::array<Word, kMaxWords> words;
+
+  /// "/", "/2" or nothing.
+  [[nodiscard]] std::string_view slash_text() const {
+    return text.substr(slash_begin, static_cast<std::size_t>(slash_end - slash_begin));
+  }
 };
 
 /// Why a line is not a block; `column` counts from 0.
@@ -46,10 +52,11 @@ struct BlockError {
 inline constexpr std::size_t kMaxBlockBytes = 254;
 
 /// Reads one line (with its end-of-line bytes) of RS274/NGC text: blanks are allowed anywhere outside
-/// comments, letters in either case, numbers without exponent.
+/// comments, letters in either case, numbers without exponent. A block delete may have a digit ("/2") where
+/// `numbered_skip` says so.
 /// errors   the first reason why the line is not understood; `block` is then incomplete
 /// cost     about 30 ns for a line of three words, no allocation
-[[nodiscard]] std::optional<BlockError> read_block(std::string_view line, Block& block);
+[[nodiscard]] std::optional<BlockError> read_block(std::string_view line, Block& block, bool numbered_skip = false);
 
 /// Splits end-of-line bytes off a line.
 [[nodiscard]] std::string_view without_eol(std::string_view line);

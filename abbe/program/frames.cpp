@@ -2,6 +2,26 @@
 
 namespace abbe {
 
+Frames::Frames(const ControlSetup& setup) : work_(setup.work_offsets.begin(), setup.work_offsets.end()) {
+  work_.resize(work_.size() + static_cast<std::size_t>(profile_of(setup)->offsets.further));
+  for (const auto& [number, offset] : setup.further_offsets) {
+    const auto index = static_cast<std::size_t>(kFixedWorkOffsets - 1 + number);
+    if (index < work_.size()) work_[index] = offset;
+  }
+  select(0);
+}
+
+void Frames::set_g92(const Vec3& offset) {
+  g92_ = offset;
+  refresh();
+}
+
+void Frames::turn(const Vec3& centre, double angle) {
+  centre_ = centre;
+  angle_ = angle;
+  refresh();
+}
+
 void Frames::select(int index) {
   active_ = index;
   refresh();
@@ -19,11 +39,14 @@ void Frames::set_tool_offset(const Vec3& tlo) {
 
 void Frames::refresh() {
   const auto& work = work_[static_cast<std::size_t>(active_)];
-  const double rotation = work ? work->rotation : 0.0;
+  const double rotation = angle_ != 0 ? angle_ : work ? work->rotation : 0.0;
   sin_ = std::sin(rotation);
   cos_ = std::cos(rotation);
   origin_ = tlo_;
   if (work) origin_ += Vec3(work->origin[0], work->origin[1], work->origin[2]);
+  // m = Rz(a) (p - k) + (k + g92 + g5x + tlo), or (1)
+  inner_ = angle_ != 0 ? Vec3(-centre_) : g92_;
+  outer_ = angle_ != 0 ? Vec3(centre_ + g92_ + origin_) : origin_;
 }
 
 }  // namespace abbe

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <array>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "abbe/core/linear_algebra.h"
 #include "abbe/machine/control_setup.h"
@@ -14,19 +14,24 @@ namespace abbe {
 ///
 ///   m = Rz(rot) (p + g92) + g5x + tlo                                                     (1)
 ///
+/// A rotation that the program makes (G68) turns p about the centre k first: p becomes Rz(a) (p - k) + k. It is
+/// only followed in work offsets without a rotation of their own.
 /// source   docs/theory/compensation.md
 class Frames {
  public:
-  explicit Frames(const std::array<std::optional<WorkOffset>, 9>& offsets) : work_(offsets) { select(0); }
+  explicit Frames(const ControlSetup& setup);
 
-  void select(int index);                           ///< G54 = 0 .. G59.3 = 8
+  void select(int index);                           ///< G54 = 0 .. G59.3 = 8, then the further ones
   void set_work_offset(int index, const WorkOffset& offset);
   void set_tool_offset(const Vec3& tlo);
-  void set_g92(const Vec3& offset) { g92_ = offset; }
+  void set_g92(const Vec3& offset);
+  void turn(const Vec3& centre, double angle);      ///< G68, rad; angle 0 ends it
 
   [[nodiscard]] int active() const { return active_; }
+  [[nodiscard]] int count() const { return static_cast<int>(work_.size()); }
   [[nodiscard]] const std::optional<WorkOffset>& work_offset(int index) const { return work_[static_cast<std::size_t>(index)]; }
   [[nodiscard]] bool known() const { return work_[static_cast<std::size_t>(active_)].has_value(); }
+  [[nodiscard]] bool turned() const { return angle_ != 0; }
   [[nodiscard]] bool rotated() const { return sin_ != 0.0 || cos_ != 1.0; }
   [[nodiscard]] const Vec3& g92() const { return g92_; }
   [[nodiscard]] const Vec3& tool_offset() const { return tlo_; }
@@ -35,8 +40,8 @@ class Frames {
   /// g5x + tlo: where the tool stands at the origin of the work offset.
   [[nodiscard]] const Vec3& datum_point() const { return origin_; }
 
-  [[nodiscard]] Vec3 to_machine(const Vec3& p) const { return rotate(p + g92_, sin_) + origin_; }
-  [[nodiscard]] Vec3 to_program(const Vec3& m) const { return rotate(m - origin_, -sin_) - g92_; }
+  [[nodiscard]] Vec3 to_machine(const Vec3& p) const { return rotate(p + inner_, sin_) + outer_; }
+  [[nodiscard]] Vec3 to_program(const Vec3& m) const { return rotate(m - outer_, -sin_) - inner_; }
   [[nodiscard]] Vec3 vector_to_program(const Vec3& v) const { return rotate(v, -sin_); }
   [[nodiscard]] Vec3 vector_to_machine(const Vec3& v) const { return rotate(v, sin_); }
 
@@ -47,9 +52,12 @@ class Frames {
   }
   void refresh();
 
-  std::array<std::optional<WorkOffset>, 9> work_;
+  std::vector<std::optional<WorkOffset>> work_;
   int active_ = 0;
   Vec3 g92_ = Vec3::Zero(), tlo_ = Vec3::Zero(), origin_ = Vec3::Zero();
+  Vec3 inner_ = Vec3::Zero(), outer_ = Vec3::Zero();  ///< added before and after the rotation
+  Vec3 centre_ = Vec3::Zero();
+  double angle_ = 0;
   double sin_ = 0, cos_ = 1;
 };
 

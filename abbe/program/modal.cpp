@@ -7,34 +7,86 @@
 namespace abbe {
 namespace {
 
-/// Modal groups of RS274/NGC; `unknown` codes are refused.
+/// Modal groups of RS274/NGC: one code of each in a block; codes in `loose` stand beside each other.
 enum Group : std::uint8_t {
-  unknown, zero, motion, plane, distance, arc_distance, feed_mode, units, cutter, tool_length, retract, wcs, path, spindle, lathe,
+  loose, zero, motion, plane, distance, arc_distance, feed_mode, units, cutter, tool_length, retract, wcs, path, spindle, lathe, rotation,
   kGroups
 };
 
-struct CodeGroup {
-  GCode code;
+/// What a meaning is to this reader.
+struct Role {
+  Meaning meaning;
   Group group;
+  GCode code;
 };
-constexpr CodeGroup kKnown[] = {
-    {40, zero},       {100, zero},     {280, zero},     {300, zero},     {520, zero},     {530, zero},
-    {920, zero},      {921, zero},     {922, zero},     {923, zero},     {0, motion},     {10, motion},
-    {20, motion},     {30, motion},    {800, motion},   {730, motion},   {740, motion},   {810, motion},
-    {820, motion},    {830, motion},   {840, motion},   {850, motion},   {860, motion},   {890, motion},
-    {170, plane},     {180, plane},    {190, plane},    {900, distance}, {910, distance}, {901, arc_distance},
-    {911, arc_distance}, {930, feed_mode}, {940, feed_mode}, {950, feed_mode}, {200, units}, {210, units},
-    {400, cutter},    {430, tool_length}, {431, tool_length}, {490, tool_length}, {980, retract}, {990, retract},
-    {540, wcs},       {550, wcs},      {560, wcs},      {570, wcs},      {580, wcs},      {590, wcs},
-    {591, wcs},       {592, wcs},      {593, wcs},      {610, path},     {611, path},     {640, path},
-    {960, spindle},   {970, spindle},  {80, lathe}};
+constexpr Role kRoles[] = {
+    {Meaning::rapid, motion, 0},
+    {Meaning::line, motion, 10},
+    {Meaning::arc_cw, motion, 20},
+    {Meaning::arc_ccw, motion, 30},
+    {Meaning::no_motion, motion, 800},
+    {Meaning::chip_break, motion, 730},
+    {Meaning::tap_left, motion, 740},
+    {Meaning::fine_bore, motion, 760},
+    {Meaning::drill, motion, 810},
+    {Meaning::drill_dwell, motion, 820},
+    {Meaning::peck, motion, 830},
+    {Meaning::tap, motion, 840},
+    {Meaning::bore, motion, 850},
+    {Meaning::bore_stop, motion, 860},
+    {Meaning::bore_dwell, motion, 890},
+    {Meaning::dwell, zero, 40},
+    {Meaning::set_data, zero, 100},
+    {Meaning::home, zero, 280},
+    {Meaning::other_home, zero, 300},
+    {Meaning::local_shift, zero, 520},
+    {Meaning::machine_coordinates, zero, 530},
+    {Meaning::set_position, zero, 920},
+    {Meaning::clear_position, zero, 921},
+    {Meaning::suspend_position, zero, 922},
+    {Meaning::restore_position, zero, 923},
+    {Meaning::exact_stop_once, loose, 90},
+    {Meaning::plane_xy, plane, 170},
+    {Meaning::plane_zx, plane, 180},
+    {Meaning::plane_yz, plane, 190},
+    {Meaning::absolute, distance, 900},
+    {Meaning::incremental, distance, 910},
+    {Meaning::centre_absolute, arc_distance, 901},
+    {Meaning::centre_incremental, arc_distance, 911},
+    {Meaning::inverse_time, feed_mode, 930},
+    {Meaning::per_minute, feed_mode, 940},
+    {Meaning::per_turn, feed_mode, 950},
+    {Meaning::units_inch, units, 200},
+    {Meaning::units_mm, units, 210},
+    {Meaning::cutter_off, cutter, 400},
+    {Meaning::tool_length, tool_length, 430},
+    {Meaning::tool_length_minus, tool_length, 440},
+    {Meaning::tool_length_direct, tool_length, 431},
+    {Meaning::tool_length_off, tool_length, 490},
+    {Meaning::retract_initial, retract, 980},
+    {Meaning::retract_r, retract, 990},
+    {Meaning::work_offset, wcs, 540},
+    {Meaning::numbered_work_offset, wcs, 541},
+    {Meaning::path_control, path, 610},
+    {Meaning::spindle_mode, spindle, 970},
+    {Meaning::radius_mode, lathe, 80},
+    {Meaning::rotate, rotation, 1},
+    {Meaning::rotate_off, rotation, 0},
+    {Meaning::transformation_off, loose, 0},
+    {Meaning::smoothing, loose, 1},
+    {Meaning::copy, loose, 0},
+};
 
-constexpr std::array<Group, 1000> make_groups() {
-  std::array<Group, 1000> groups{};
-  for (const auto& known : kKnown) groups[static_cast<std::size_t>(known.code)] = known.group;
-  return groups;
+constexpr std::array<Role, kMeanings> make_roles() {
+  std::array<Role, kMeanings> roles{};
+  for (const Role& role : kRoles) roles[static_cast<std::size_t>(role.meaning)] = role;
+  return roles;
 }
-constexpr std::array<Group, 1000> kGroupOf = make_groups();
+constexpr std::array<Role, kMeanings> kRoleOf = make_roles();
+constexpr Role role_of(Meaning meaning) { return kRoleOf[static_cast<std::size_t>(meaning)]; }
+
+/// Of Instruction::wcs while its P word has not been looked at.
+constexpr int kNumbered = -2;
 
 constexpr std::uint32_t bit(char letter) { return 1u << (letter - 'A'); }
 constexpr std::uint32_t kAxisBits = bit('X') | bit('Y') | bit('Z');
@@ -42,28 +94,6 @@ constexpr std::uint32_t kTurnBits = bit('A') | bit('B') | bit('C');
 constexpr std::uint32_t kCentreBits = bit('I') | bit('J') | bit('K');
 constexpr std::uint32_t kValueBits = kAxisBits | kTurnBits | kCentreBits | bit('R') | bit('P') | bit('Q') | bit('L') | bit('F') |
                                      bit('S') | bit('T') | bit('H') | bit('D') | bit('E') | bit('N');
-
-/// Refusals of codes that users meet, with what to do.
-struct Advice {
-  GCode from, to;
-  const char* code;
-  const char* why;
-  const char* fix;
-};
-constexpr Advice kAdvice[] = {
-    {410, 423, "E-CUTCOM", "the control offsets the path by the cutter radius, so the correction must be made there",
-     "post the tool-centre path (cutter compensation in the CAM system)"},
-    {50, 53, "E-GCODE", "the control generates the spline itself", "post lines and arcs"},
-    {330, 331, "E-GCODE", "the motion follows the spindle", "keep threads out of the compensated program"},
-    {382, 389, "E-GCODE", "probing reads positions of the compensated machine", "probe in a program of its own"},
-    {281, 281, "E-GCODE", "it stores the present position in the control", "store reference positions outside the program"},
-    {301, 301, "E-GCODE", "it stores the present position in the control", "store reference positions outside the program"},
-    {432, 432, "E-GCODE", "added tool offsets are not tracked", "use G43 H or G43.1"},
-    {70, 70, "E-GCODE", "lathe diameters count twice", "lathe programs are not covered"},
-    {680, 683, "E-FRAME", "a rotated or tilted frame is not part of the LinuxCNC dialect", "post in the machine's frame"},
-    {434, 435, "E-TCP", "the machine file does not say that this code switches tool centre point control",
-     "declare it: [control] codes = { \"G43.4\" = \"tcp\", \"G49\" = \"axis\" }"},
-};
 
 void refuse(ProgramFindings& findings, std::uint64_t line, const Block& block, const Word& word, const char* code,
             std::string message, const char* why, const char* fix) {
@@ -82,116 +112,126 @@ std::optional<int> scaled(double value, double factor, int limit) {
   return static_cast<int>(n);
 }
 
-/// Notes a code that switches tool centre point control; false: it is none.
-bool note_tcp(const ModalState& state, char letter, std::optional<int> code, Instruction& out) {
+/// What the profile says of a G or M word; `unknown` for numbers that are no code.
+const CodeUse& use_of(const Profile& profile, const Word& word) {
+  static constexpr CodeUse kUnknown{};
+  const auto code = word.letter == 'G' ? scaled(word.value, 10, static_cast<int>(Profile::kGCodes))
+                                       : scaled(word.value, 1, static_cast<int>(Profile::kMCodes));
+  if (!code) return kUnknown;
+  return word.letter == 'G' ? profile.g[static_cast<std::size_t>(*code)] : profile.m[static_cast<std::size_t>(*code)];
+}
+
+/// The machine's control switches tool centre point control with this word: its code times ten, 0 and 1 for off and
+/// on; nullptr: it does not.
+const TcpCode* tcp_code(const ModalState& state, const Word& word) {
+  const auto code = scaled(word.value, 10, 10000);
   for (const TcpCode& known : state.tcp_codes) {
-    if (!code || known.letter != letter || known.code != *code) continue;
-    out.tcp = known.on ? 1 : 0;
-    return true;
+    if (code && known.letter == word.letter && known.code == *code) return &known;
   }
-  return false;
+  return nullptr;
 }
 
-bool note_g(const Block& block, const Word& word, const ModalState& state, std::uint64_t line, ProgramFindings& findings,
-            Instruction& out, std::array<bool, kGroups>& seen) {
-  const auto code = scaled(word.value, 10, 1000);
-  const bool switches = note_tcp(state, 'G', code, out);
-  // G43.4 H applies a tool length like G43
-  const bool tcp_length = switches && *code == 434;
-  const Group group = tcp_length ? tool_length : code ? kGroupOf[static_cast<std::size_t>(*code)] : unknown;
-  if (switches && group == unknown) return true;
-  if (group == unknown) {
-    for (const auto& advice : kAdvice) {
-      if (code && *code >= advice.from && *code <= advice.to) {
-        refuse(findings, line, block, word, advice.code, spelled(block, word) + " cannot be compensated", advice.why, advice.fix);
-        return false;
-      }
+/// One block on its way to an Instruction.
+struct Reading {
+  const Profile& profile;
+  const Block& block;
+  std::uint64_t line;
+  ProgramFindings& findings;
+  Instruction& out;
+  const ModalState& state;
+  std::array<bool, kGroups> seen{};
+  LetterSet used = letter_set("NFST");  ///< letters that some code of the block uses
+  bool dwell_x = false;                 ///< X is the time of a dwell
+
+  void refuse(const Word& word, const char* code, std::string message, std::string why, std::string fix) const {
+    findings.add(Severity::error, code, line, block.text, word.begin, static_cast<std::size_t>(word.end - word.begin), std::move(message),
+                 std::move(why), std::move(fix));
+  }
+
+  bool refuse_unknown(const Word& word, const CodeUse& use) const {
+    const char* usual = word.letter == 'G' ? "E-GCODE" : "E-MCODE";
+    if (use.refusal == 0) {
+      refuse(word, usual, spelled(block, word) + " is not known to the " + profile.title + " profile",
+             word.letter == 'G' ? "a code that is not understood may move the machine or change a frame"
+                                : "an M code that is not understood may move the machine or call a program",
+             word.letter == 'G' ? "remove it, or post without it" : "remove it, or run it outside the compensated program");
+      return false;
     }
-    refuse(findings, line, block, word, "E-GCODE", spelled(block, word) + " is not known to the LinuxCNC profile",
-           "a code that is not understood may move the machine or change a frame", "remove it, or post without it");
+    const CodeRefusal& refusal = profile.refusals[use.refusal - 1U];
+    refuse(word, refusal.error.empty() ? usual : refusal.error.c_str(), spelled(block, word) + " cannot be compensated", refusal.why, refusal.fix);
     return false;
   }
-  if (group == motion && seen[group] && (*code == 800 || out.motion == 800)) {
-    if (*code != 800) out.motion = *code;  // G80 beside another motion code: that one counts
+
+  bool note_g(const Word& word);
+  bool note_m(const Word& word);
+  void put_in_force(const Role& role, const CodeUse& use);
+};
+
+bool Reading::note_g(const Word& word) {
+  static constexpr CodeUse kTcpLength{Meaning::tool_length, false, 0, 0, letter_set("H")};
+  const TcpCode* tcp = tcp_code(state, word);
+  if (tcp != nullptr) out.tcp = tcp->on ? 1 : 0;
+  // G43.4 H applies a tool length like G43
+  const CodeUse& use = tcp != nullptr && tcp->code == 434 ? kTcpLength : use_of(profile, word);
+  if (use.meaning == Meaning::unknown) return tcp != nullptr || refuse_unknown(word, use);
+  const Role role = role_of(use.meaning);
+  used |= use.words;
+  if (role.group == motion && seen[motion] && (role.code == 800 || out.motion == 800)) {
+    if (role.code != 800) put_in_force(role, use);  // G80 beside another motion code: that one counts
     return true;
   }
-  if (seen[group]) {
-    refuse(findings, line, block, word, "E-BLOCK", spelled(block, word) + ": a second code of the same group in one block",
-           "which of them holds is not defined", "split the block");
+  if (role.group != loose && seen[role.group]) {
+    refuse(word, "E-BLOCK", spelled(block, word) + ": a second code of the same group in one block", "which of them holds is not defined",
+           "split the block");
     return false;
   }
-  seen[group] = true;
-  switch (group) {
-    case zero: out.zero = *code; break;
-    case motion: out.motion = *code; out.states_motion = true; break;
-    case plane: out.plane = *code; break;
-    case distance: out.distance = *code; break;
-    case arc_distance: out.arc_distance = *code; break;
-    case feed_mode: out.feed_mode = *code; break;
-    case units: out.units = *code; break;
-    case tool_length: out.tool_length = tcp_length ? 430 : *code; break;
-    case retract: out.retract = *code; break;
-    case wcs: out.wcs = *code; break;
-    default: break;
-  }
+  seen[role.group] = true;
+  put_in_force(role, use);
   return true;
 }
 
-bool note_m(const Block& block, const Word& word, const ModalState& state, std::uint64_t line, ProgramFindings& findings,
-            Instruction& out) {
-  if (note_tcp(state, 'M', scaled(word.value, 10, 10000), out)) return true;
-  const auto code = scaled(word.value, 1, 1000);
-  const int m = code.value_or(-1);
-  const bool known = m == 0 || m == 1 || m == 2 || m == 30 || m == 60 || (m >= 3 && m <= 9) || m == 19 ||
-                     (m >= 48 && m <= 53) || m == 61 || (m >= 62 && m <= 68);
-  if (!known) {
-    refuse(findings, line, block, word, "E-MCODE", spelled(block, word) + " is not known to the LinuxCNC profile",
-           m == 98 || m == 99 ? "a subprogram may be called at several places that need different corrections"
-                              : "an M code that is not understood may move the machine or call a program",
-           m == 98 || m == 99 ? "post without subprograms" : "remove it, or run it outside the compensated program");
-    return false;
-  }
-  if (m == 6) out.tool_change = true;
-  if (m == 61) out.set_tool = true;
-  if (stops_after_motion(m)) {
-    out.stops = true;
-    out.ends = out.ends || m == 2 || m == 30;
-  } else if (m != 6) {
-    out.other_m = true;
-  }
-  return true;
-}
-
-/// The value letters that the codes of this block use.
-std::uint32_t used_letters(const Instruction& in, const Block& block) {
-  std::uint32_t used = bit('N') | bit('F') | bit('S') | bit('T');
-  switch (in.zero) {
-    case 40: used |= bit('P'); break;
-    case 100: used |= bit('L') | bit('P') | bit('R') | kAxisBits; break;
-    case 280: case 300: case 530: used |= kAxisBits | kTurnBits; break;
-    case 520: case 920: used |= kAxisBits; break;
+void Reading::put_in_force(const Role& role, const CodeUse& use) {
+  switch (role.group) {
+    case zero:
+      out.zero = role.code;
+      dwell_x = use.meaning == Meaning::dwell && (use.words & bit('X')) != 0;
+      break;
+    case motion:
+      out.motion = role.code;
+      out.states_motion = true;
+      out.motion_words = use.words;
+      break;
+    case plane: out.plane = role.code; break;
+    case distance: out.distance = role.code; break;
+    case arc_distance: out.arc_distance = role.code; break;
+    case feed_mode: out.feed_mode = role.code; break;
+    case units: out.units = role.code; break;
+    case tool_length: out.tool_length = role.code; break;
+    case retract: out.retract = role.code; break;
+    case wcs: out.wcs = use.meaning == Meaning::work_offset ? use.number - 1 : kNumbered; break;
+    case rotation: out.rotation = role.code; break;
+    case path: out.path_control = true; break;
+    case loose:
+      out.smooths = out.smooths || use.meaning == Meaning::smoothing;
+      out.exact_stop = out.exact_stop || use.meaning == Meaning::exact_stop_once;
+      break;
     default: break;
   }
-  if (in.tool_length == 430) used |= bit('H');
-  if (in.tool_length == 431) used |= kAxisBits;
-  if (in.motion == 0 || in.motion == 10) used |= kAxisBits | kTurnBits;
-  if (is_arc(in.motion)) used |= kAxisBits | kTurnBits | kCentreBits | bit('R') | bit('P');
-  if (is_cycle(in.motion)) used |= kAxisBits | bit('R') | bit('L');
-  if (in.motion == 730 || in.motion == 830) used |= bit('Q');
-  if (in.motion == 740 || in.motion == 820 || in.motion == 840 || in.motion == 860 || in.motion == 890) used |= bit('P');
-  for (int i = 0; i < block.count; ++i) {
-    const Word& word = block.words[static_cast<std::size_t>(i)];
-    if (word.letter != 'G' && word.letter != 'M') continue;
-    if (word.letter == 'G' && word.value == 64) used |= bit('P') | bit('Q');
-    if (word.letter == 'G' && word.value == 96) used |= bit('D');
-    if (word.letter == 'M' && word.value == 61) used |= bit('Q');
-    if (word.letter == 'M' && word.value == 66) used |= bit('P') | bit('E') | bit('L') | bit('Q');
-    if (word.letter == 'M' && (word.value == 67 || word.value == 68)) used |= bit('E') | bit('Q');
-    if (word.letter == 'M' && word.value >= 62 && word.value <= 65) used |= bit('P');
-    if (word.letter == 'M' && (word.value == 19 || (word.value >= 50 && word.value <= 53))) used |= bit('R') | bit('P') | bit('Q');
-    if (word.letter == 'M' && word.value >= 3 && word.value <= 5) used |= bit('D');
+}
+
+bool Reading::note_m(const Word& word) {
+  if (const TcpCode* tcp = tcp_code(state, word)) {
+    out.tcp = tcp->on ? 1 : 0;
+    return true;
   }
-  return used;
+  const CodeUse& use = use_of(profile, word);
+  if (use.meaning == Meaning::unknown) return refuse_unknown(word, use);
+  used |= use.words;
+  out.tool_change = out.tool_change || use.meaning == Meaning::tool_change;
+  out.set_tool = out.set_tool || use.meaning == Meaning::set_tool;
+  out.ends = out.ends || use.meaning == Meaning::end;
+  out.after = out.after || use.after;
+  return true;
 }
 
 bool axis_words_taken(GCode zero_code) {
@@ -222,20 +262,25 @@ void refuse_letter(ProgramFindings& findings, std::uint64_t line, const Block& b
 
 namespace {
 
-/// Most blocks: a line or rapid in force, its axes, perhaps a feed. False: `out` is as it was.
+constexpr Instruction nothing() {
+  Instruction instruction;
+  for (auto& index : instruction.word) index = -1;
+  return instruction;
+}
+constexpr Instruction kNothing = nothing();
+
+/// Most blocks: a line or rapid in force, its axes, perhaps a feed. False: `out` means nothing.
 bool is_plain_line(const Block& block, const ModalState& state, Instruction& out) {
-  if ((state.motion != 0 && state.motion != 10) || block.count == 0) return false;
+  if ((state.motion != 0 && state.motion != 10) || !state.units_stated || !state.distance_stated) return false;
+  out = kNothing;
   std::uint32_t present = 0;
   for (int i = 0; i < block.count; ++i) {
-    const std::uint32_t word = bit(block.words[static_cast<std::size_t>(i)].letter);
-    if ((word & (kAxisBits | bit('F'))) == 0 || (word & present) != 0) return false;
-    present |= word;
+    const char letter = block.words[static_cast<std::size_t>(i)].letter;
+    if ((bit(letter) & (kAxisBits | bit('F')) & ~present) == 0) return false;
+    present |= bit(letter);
+    out.word[static_cast<std::size_t>(letter - 'A')] = static_cast<std::int8_t>(i);
   }
   if ((present & kAxisBits) == 0) return false;
-  for (int i = 0; i < block.count; ++i) {
-    const Word& word = block.words[static_cast<std::size_t>(i)];
-    out.word[static_cast<std::size_t>(word.letter - 'A')] = static_cast<std::int8_t>(i);
-  }
   out.moves_axes = out.plain = true;
   out.motion = state.motion;
   return true;
@@ -243,44 +288,86 @@ bool is_plain_line(const Block& block, const ModalState& state, Instruction& out
 
 }  // namespace
 
-bool stops_after_motion(int m_code) { return m_code <= 2 || m_code == 30 || m_code == 60; }
+bool acts_after_motion(const Profile& profile, const Word& word) {
+  if (word.letter != 'G' && word.letter != 'M') return false;
+  const CodeUse& use = use_of(profile, word);
+  return use.after || use.meaning == Meaning::exact_stop_once;
+}
 
-bool read_instruction(const Block& block, const ModalState& state, std::uint64_t line, ProgramFindings& findings,
-                      Instruction& out) {
-  out = Instruction{};
-  out.word.fill(-1);
-  if (is_plain_line(block, state, out)) return true;
-  std::array<bool, kGroups> seen{};
+ModalState start_of(const Profile& profile) {
+  ModalState state;
+  state.inch = profile.start.units == Profile::Units::imperial;
+  state.incremental = profile.start.distance == Profile::Distance::incremental;
+  state.retract_to_r = profile.start.retract_to_r;
+  state.units_stated = profile.start.units != Profile::Units::stated;
+  state.distance_stated = profile.start.distance != Profile::Distance::stated;
+  return state;
+}
+
+namespace {
+
+/// Sorts all words. False: some were refused.
+bool sort_words(Reading& reading) {
+  const Block& block = reading.block;
+  LetterSet present = 0;
   bool good = true;
-  std::uint32_t present = 0;
   for (int i = 0; i < block.count; ++i) {
     const Word& word = block.words[static_cast<std::size_t>(i)];
     if (word.letter == 'G') {
-      good = note_g(block, word, state, line, findings, out, seen) && good;
+      good = reading.note_g(word) && good;
     } else if (word.letter == 'M') {
-      good = note_m(block, word, state, line, findings, out) && good;
+      good = reading.note_m(word) && good;
     } else if (!(kValueBits & bit(word.letter))) {
-      refuse_letter(findings, line, block, word);
+      refuse_letter(reading.findings, reading.line, block, word);
       good = false;
     } else if (present & bit(word.letter)) {
-      refuse(findings, line, block, word, "E-BLOCK", fmt::format("{} stands twice in one block", word.letter),
-             "which of them holds is not defined", "keep one");
+      reading.refuse(word, "E-BLOCK", fmt::format("{} stands twice in one block", word.letter), "which of them holds is not defined", "keep one");
       good = false;
     } else {
       present |= bit(word.letter);
-      out.word[static_cast<std::size_t>(word.letter - 'A')] = static_cast<std::int8_t>(i);
+      reading.out.word[static_cast<std::size_t>(word.letter - 'A')] = static_cast<std::int8_t>(i);
     }
   }
-  if (!good) return false;
+  return good;
+}
+
+/// The further work offset that P names. False: refused.
+bool number_work_offset(Reading& reading) {
+  Instruction& out = reading.out;
+  if (out.wcs != kNumbered) return true;
+  const Word* p = out.find(reading.block, 'P');
+  const auto number = p == nullptr ? std::nullopt : scaled(p->value, 1, reading.profile.offsets.further + 1);
+  if (number && *number >= 1) {
+    out.wcs = 8 + *number;
+    return true;
+  }
+  reading.findings.add(Severity::error, "E-WCS", reading.line, reading.block.text, p ? p->begin : 0, 1,
+                       fmt::format("the number of the work offset is not a P from 1 to {}", reading.profile.offsets.further),
+                       "the frame of what follows is not known", "correct the P word");
+  return false;
+}
+
+}  // namespace
+
+bool read_instruction(const Profile& profile, const Block& block, const ModalState& state, std::uint64_t line, ProgramFindings& findings,
+                      Instruction& out) {
+  if (is_plain_line(block, state, out)) return true;
+  out = kNothing;
+  Reading reading{profile, block, line, findings, out, state};
+  if (!sort_words(reading) || !number_work_offset(reading)) return false;
+  LetterSet present = 0;
+  for (std::size_t i = 0; i < out.word.size(); ++i) present |= out.word[i] >= 0 ? LetterSet{1} << i : 0;
+  out.after = out.after || out.exact_stop;
   out.turns_axes = (present & kTurnBits) != 0;
   out.moves_axes = out.turns_axes || (present & kAxisBits) != 0;
-  const bool taken = axis_words_taken(out.zero) || out.tool_length == 431;
+  const bool beside_motion = profile.home_beside_motion && (out.zero == 280 || out.zero == 300);
+  const bool taken = axis_words_taken(out.zero) || out.tool_length == 431 || reading.dwell_x || out.rotation == 1;
   const auto whole_block = [&](const char* code, std::string message, const char* why, const char* fix) {
     findings.add(Severity::error, code, line, block.text, block.count > 0 ? block.words[0].begin : 0, block.text.size(),
                  std::move(message), why, fix);
     return false;
   };
-  if (taken && out.states_motion && out.motion != 800) {
+  if (taken && out.states_motion && out.motion != 800 && !beside_motion) {
     return whole_block("E-BLOCK", "a motion code and a code that uses the axis words stand in one block",
                        "which of them the axis words belong to is not defined", "split the block");
   }
@@ -288,23 +375,39 @@ bool read_instruction(const Block& block, const ModalState& state, std::uint64_t
     return whole_block("E-BLOCK", "two codes of this block use the axis words", "which of them they belong to is not defined",
                        "split the block");
   }
+  if (out.rotation >= 0 && (out.states_motion || out.zero >= 0 || out.wcs >= 0 || (out.rotation == 0 && out.moves_axes))) {
+    return whole_block("E-BLOCK", "a rotation together with other codes or words", "in which order the control takes them is not sure",
+                       "give the rotation a block of its own");
+  }
+  if (out.smooths && out.moves_axes) {
+    return whole_block("E-BLOCK", "axis words beside a smoothing code", "whether they move the machine is not known", "split the block");
+  }
   const bool centre_alone = is_arc(state.motion) && (present & kCentreBits) != 0;  // a full circle
-  if (!out.states_motion && (out.moves_axes || centre_alone) && !taken) out.motion = state.motion;
+  if (!out.states_motion && (out.moves_axes || centre_alone) && !taken) {
+    out.motion = state.motion;
+    out.motion_words = state.motion_words;
+  }
   if (out.motion == 800 && out.moves_axes && !taken) {
     return whole_block("E-MODE", "axis words without a motion in force",
                        "the control refuses them, or moves in a way the program does not state", "write G0, G1, G2 or G3");
   }
   if (out.zero == 530 && out.motion != 0 && out.motion != 10) {
-    if (!out.states_motion && (state.motion == 0 || state.motion == 10)) out.motion = state.motion;
-    else return whole_block("E-G53", "G53 without G0 or G1", "only lines can be commanded in machine coordinates", "write G53 G0 or G53 G1");
+    if (out.states_motion || (state.motion != 0 && state.motion != 10)) {
+      return whole_block("E-G53", "G53 without G0 or G1", "only lines can be commanded in machine coordinates", "write G53 G0 or G53 G1");
+    }
+    out.motion = state.motion;
+    out.motion_words = state.motion_words;
   }
-  const std::uint32_t unused = present & ~used_letters(out, block);
+  if (beside_motion && taken && (present & kAxisBits) == 0) {
+    return whole_block("E-BLOCK", "a reference return without an axis", "which axes go there depends on the control", "write G28 G91 Z0");
+  }
+  const LetterSet unused = present & ~(reading.used | (out.states_motion ? 0 : out.motion_words));
   if (unused != 0) {
     for (int i = 0; i < block.count; ++i) {
       const Word& word = block.words[static_cast<std::size_t>(i)];
       if (word.letter == 'G' || word.letter == 'M' || !(unused & bit(word.letter))) continue;
-      refuse(findings, line, block, word, "E-WORD", spelled(block, word) + ": no code of this block uses this word",
-             "the control refuses it, or gives it a meaning that is not known here", "remove it, or add the code it belongs to");
+      reading.refuse(word, "E-WORD", spelled(block, word) + ": no code of this block uses this word",
+                     "the control refuses it, or gives it a meaning that is not known here", "remove it, or add the code it belongs to");
     }
     return false;
   }
@@ -332,7 +435,12 @@ void apply_modal(const Block& block, const Instruction& in, ModalState& state) {
   if (in.distance >= 0) state.incremental = in.distance == 910;
   if (in.arc_distance >= 0) state.absolute_centre = in.arc_distance == 901;
   if (in.retract >= 0) state.retract_to_r = in.retract == 990;
-  if (in.states_motion) state.motion = in.motion;
+  state.units_stated = state.units_stated || in.units >= 0;
+  state.distance_stated = state.distance_stated || in.distance >= 0;
+  if (in.states_motion) {
+    state.motion = in.motion;
+    state.motion_words = in.motion_words;
+  }
 }
 
 }  // namespace abbe

@@ -5,12 +5,13 @@
 #include <span>
 
 #include "abbe/machine/control_model.h"
+#include "abbe/machine/profile.h"
 #include "abbe/program/block.h"
 #include "abbe/program/program_findings.h"
 
 namespace abbe {
 
-/// G codes are named by ten times their number: G54 = 540, G59.1 = 591.
+/// G codes are named by ten times the number they have in RS274/NGC, whatever the control calls them: G1 = 10, G92.1 = 921.
 using GCode = int;
 
 enum class Plane : std::uint8_t { xy, zx, yz };
@@ -35,9 +36,14 @@ struct ModalState {
   bool retract_to_r = true;    ///< G99; so LinuxCNC starts
   double feed = 0;             ///< F in program units
   bool has_feed = false;       ///< F given since the feed mode changed
+  LetterSet motion_words = 0;  ///< letters that belong to the motion in force
+  bool units_stated = true, distance_stated = true;  ///< false: the profile assumes nothing, and the program has said nothing
   std::span<const TcpCode> tcp_codes{};  ///< codes of this control that switch tool centre point control
   [[nodiscard]] double unit() const { return inch ? 25.4 : 1.0; }
 };
+
+/// What holds before the first block.
+[[nodiscard]] ModalState start_of(const Profile& profile);
 
 /// What the words of one block ask for, checked against the list of known codes and against each other.
 struct Instruction {
@@ -49,12 +55,17 @@ struct Instruction {
   bool turns_axes = false;     ///< A, B or C is written
   std::int8_t tcp = -1;        ///< 1, 0: tool centre point control is switched on, off
   bool plain = false;          ///< X Y Z and F only: a line or rapid that was in force
-  GCode wcs = -1, tool_length = -1, plane = -1, units = -1, distance = -1, arc_distance = -1, feed_mode = -1, retract = -1;
+  int wcs = -1;                ///< work offset: 0 = G54 .. 8 = G59.3, then the further ones
+  GCode tool_length = -1, plane = -1, units = -1, distance = -1, arc_distance = -1, feed_mode = -1, retract = -1;
+  int rotation = -1;           ///< 1: a programmed rotation begins (G68), 0: it ends
+  LetterSet motion_words = 0;
+  bool path_control = false;   ///< G61, G64
+  bool smooths = false;        ///< a smoothing that is not modelled is switched
+  bool exact_stop = false;     ///< G9
   bool tool_change = false;    ///< M6
   bool set_tool = false;       ///< M61 Q
   bool ends = false;           ///< M2 M30
-  bool stops = false;          ///< M0 M1 M2 M30 M60: after the motion
-  bool other_m = false;        ///< any other M code
+  bool after = false;          ///< a code acts when the motion is done: M0 M1 M2 M30, on some controls M5 M9, G9
 
   [[nodiscard]] const Word* find(const Block& block, char letter) const {
     const int i = word[static_cast<std::size_t>(letter - 'A')];
@@ -62,14 +73,17 @@ struct Instruction {
   }
 };
 
-[[nodiscard]] constexpr bool is_cycle(GCode code) { return (code >= 810 && code <= 890) || code == 730 || code == 740; }
+[[nodiscard]] constexpr bool is_cycle(GCode code) {
+  return (code >= 810 && code <= 890) || code == 730 || code == 740 || code == 760;
+}
 [[nodiscard]] constexpr bool is_arc(GCode code) { return code == 20 || code == 30; }
-[[nodiscard]] bool stops_after_motion(int m_code);
+/// The word's code acts when the motion of its block is done.
+[[nodiscard]] bool acts_after_motion(const Profile& profile, const Word& word);
 
-/// Sorts the words of a block. Everything not known to the LinuxCNC profile is a finding.
+/// Sorts the words of a block. Everything not known to the control's profile is a finding.
 /// errors   false when the block was refused; `state` is not changed here
-[[nodiscard]] bool read_instruction(const Block& block, const ModalState& state, std::uint64_t line, ProgramFindings& findings,
-                                    Instruction& instruction);
+[[nodiscard]] bool read_instruction(const Profile& profile, const Block& block, const ModalState& state, std::uint64_t line,
+                                    ProgramFindings& findings, Instruction& instruction);
 
 /// Puts the modal codes of the instruction in force, in the control's order of execution.
 void apply_modal(const Block& block, const Instruction& instruction, ModalState& state);

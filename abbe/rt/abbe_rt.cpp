@@ -80,6 +80,10 @@ std::unique_ptr<abbe_rt_model> load(const char* machine_file, const char* sensor
   }
   auto model = std::make_unique<abbe_rt_model>();
   model->machine = std::move(*parsed.value);
+  if (const auto names = errors_of_one_test(model->machine); !names.empty()) {
+    why = names.front() + " is true of one test only (scope = \"test\"): it may not move the machine";
+    return nullptr;
+  }
   const auto plan = make_plan(model->machine, *environment);
   if (const auto* missing = std::get_if<MissingSensors>(&plan)) {
     why = "errors depend on sensors without a value:";

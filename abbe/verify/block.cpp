@@ -23,124 +23,82 @@ constexpr Letters kPlainLetters = kValueLetters & ~letters('N');
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t'; }
 constexpr bool is_number_start(char c) { return (c >= '0' && c <= '9') || c == '.' || c == '+' || c == '-'; }
 
-/// LinuxCNC's modal group of a G code (times 10), -1 if the code is not understood.
-constexpr int g_group(int code) {
-  switch (code) {
-    case 40:
-    case 100:
-    case 280:
-    case 300:
-    case 520:
-    case 530:
-    case 920:
-    case 921:
-    case 922:
-    case 923:
-      return 0;
-    case 0:
-    case 10:
-    case 20:
-    case 30:
-    case 800:
-    case 730:
-    case 740:
-    case 810:
-    case 820:
-    case 830:
-    case 840:
-    case 850:
-    case 860:
-    case 890:
-      return 1;
-    case 170:
-    case 180:
-    case 190:
-      return 2;
-    case 900:
-    case 910:
-      return 3;
-    case 901:
-    case 911:
-      return 4;
-    case 930:
-    case 940:
-    case 950:
-      return 5;
-    case 200:
-    case 210:
-      return 6;
-    case 400:
-      return 7;
-    case 430:
-    case 431:
-    case 490:
-      return 8;
-    case 980:
-    case 990:
-      return 10;
-    case 540:
-    case 550:
-    case 560:
-    case 570:
-    case 580:
-    case 590:
-    case 591:
-    case 592:
-    case 593:
-      return 12;
-    case 610:
-    case 611:
-    case 640:
-      return 13;
-    case 960:
-    case 970:
-      return 14;
-    case 80:
-      return 15;
-    default:
-      return -1;
-  }
-}
+/// Where a meaning goes in a block: its modal group as in LinuxCNC, and the code by which this reader knows it.
+struct Seat {
+  std::int8_t group = -1;
+  std::int16_t code = 0;
+};
+constexpr std::int8_t kNoGroup = -2;
 
-/// LinuxCNC's modal group of an M code, -1 if the code is not understood.
-constexpr int m_group(int code) {
-  switch (code) {
-    case 0:
-    case 1:
-    case 2:
-    case 30:
-    case 60:
-      return Block::kStops;
-    case 62:
-    case 63:
-    case 64:
-    case 65:
-    case 66:
-    case 67:
-    case 68:
-      return 5;
-    case 6:
-    case 61:
-      return 6;
-    case 3:
-    case 4:
-    case 5:
-    case 19:
-      return 7;
-    case 7:
-    case 8:
-    case 9:
-      return 8;
-    case 48:
-    case 49:
-    case 50:
-    case 51:
-    case 52:
-    case 53:
-      return 9;
-    default:
-      return -1;
+constexpr Seat seat_of(Meaning meaning) {
+  switch (meaning) {
+    case Meaning::unknown: break;
+    case Meaning::dwell: return {0, 40};
+    case Meaning::set_data: return {0, 100};
+    case Meaning::home: return {0, 280};
+    case Meaning::other_home: return {0, 300};
+    case Meaning::local_shift: return {0, 520};
+    case Meaning::machine_coordinates: return {0, 530};
+    case Meaning::set_position: return {0, 920};
+    case Meaning::clear_position: return {0, 921};
+    case Meaning::suspend_position: return {0, 922};
+    case Meaning::restore_position: return {0, 923};
+    case Meaning::rapid: return {1, 0};
+    case Meaning::line: return {1, 10};
+    case Meaning::arc_cw: return {1, 20};
+    case Meaning::arc_ccw: return {1, 30};
+    case Meaning::no_motion: return {1, 800};
+    case Meaning::chip_break: return {1, 730};
+    case Meaning::tap_left: return {1, 740};
+    case Meaning::fine_bore: return {1, 760};
+    case Meaning::drill: return {1, 810};
+    case Meaning::drill_dwell: return {1, 820};
+    case Meaning::peck: return {1, 830};
+    case Meaning::tap: return {1, 840};
+    case Meaning::bore: return {1, 850};
+    case Meaning::bore_stop: return {1, 860};
+    case Meaning::bore_dwell: return {1, 890};
+    case Meaning::plane_xy: return {2, 170};
+    case Meaning::plane_zx: return {2, 180};
+    case Meaning::plane_yz: return {2, 190};
+    case Meaning::absolute: return {3, 900};
+    case Meaning::incremental: return {3, 910};
+    case Meaning::centre_absolute: return {4, 901};
+    case Meaning::centre_incremental: return {4, 911};
+    case Meaning::inverse_time: return {5, 930};
+    case Meaning::per_minute: return {5, 940};
+    case Meaning::per_turn: return {5, 950};
+    case Meaning::units_inch: return {6, 200};
+    case Meaning::units_mm: return {6, 210};
+    case Meaning::cutter_off: return {7, 400};
+    case Meaning::tool_length: return {8, 430};
+    case Meaning::tool_length_minus: return {8, 440};
+    case Meaning::tool_length_direct: return {8, 431};
+    case Meaning::tool_length_off: return {8, 490};
+    case Meaning::retract_initial: return {10, 980};
+    case Meaning::retract_r: return {10, 990};
+    case Meaning::rotate: return {11, 680};
+    case Meaning::rotate_off: return {11, 690};
+    case Meaning::work_offset: return {12, 0};
+    case Meaning::numbered_work_offset: return {12, Block::kFurtherOffset};
+    case Meaning::path_control: return {13, -1};
+    case Meaning::spindle_mode: return {14, -1};
+    case Meaning::radius_mode: return {15, -1};
+    case Meaning::exact_stop_once:
+    case Meaning::transformation_off:
+    case Meaning::smoothing:
+    case Meaning::copy:
+    case Meaning::auxiliary: return {kNoGroup, -1};
+    case Meaning::stop:
+    case Meaning::end: return {Block::kStops, -1};
+    case Meaning::signal: return {5, -1};
+    case Meaning::tool_change: return {6, 6};
+    case Meaning::set_tool: return {6, 61};
+    case Meaning::spindle: return {7, -1};
+    case Meaning::coolant: return {8, -1};
+    case Meaning::override_switch: return {9, -1};
   }
+  return {};
 }
 
 /// A value that is meant to be whole: within 1e-4 of an integer, as LinuxCNC reads codes.
@@ -167,18 +125,46 @@ Decimal read_spaced_decimal(std::string_view text) {
   return decimal;
 }
 
+/// Usual words: a value letter, at once its number, then the end or a blank and the next letter. Reads as many as
+/// there are from p on and returns where they end.
+const char* plain_words(const char* begin, const char* p, const char* end, Block& block) {
+  Letters words = block.words;
+  while (p != end) {
+    const auto letter = static_cast<unsigned>(*p) - 'A';
+    if (letter >= 26 || (kPlainLetters & ~words & (Letters{1} << letter)) == 0) break;
+    double number = 0;
+    int decimals = 0;
+    const char* next = read_plain_decimal(begin, p + 1, end, number, decimals);
+    if (next == nullptr) break;
+    if (next != end && *next == ' ') ++next;
+    const bool ends = next == end || static_cast<unsigned>(*next) - 'A' < 26;
+    if (!ends || !(std::abs(number) <= kMaxNumber)) break;
+    words |= Letters{1} << letter;
+    block.value[letter] = number;
+    block.column[letter] = static_cast<std::uint8_t>(p - begin + 1);
+    p = next;
+  }
+  block.words = words;
+  return p;
+}
+
 class Scanner {
  public:
-  Scanner(std::string_view line, Block& block, Fault& fault, std::span<const TcpCode> tcp_codes)
-      : line_(line), block_(block), fault_(fault), tcp_codes_(tcp_codes) {}
+  /// `at` bytes were plain words.
+  Scanner(std::string_view line, std::size_t at, const Profile& profile, Block& block, Fault& fault,
+          std::span<const TcpCode> tcp_codes)
+      : line_(line), profile_(profile), block_(block), fault_(fault), at_(at), tcp_codes_(tcp_codes) {}
 
   bool scan() {
-    skip_blanks();
-    if (at_ < line_.size() && line_[at_] == '/') {
+    bool first = at_ == 0;
+    if (first) skip_blanks();
+    if (first && at_ < line_.size() && line_[at_] == '/') {
+      if (profile_.text.skip == Profile::Skip::none) return stray('/');
       block_.deletable = true;
       ++at_;
+      const bool numbered = profile_.text.skip == Profile::Skip::numbered;
+      if (numbered && at_ < line_.size() && line_[at_] >= '1' && line_[at_] <= '9') ++at_;
     }
-    bool first = true;
     while (at_ < line_.size()) {
       const char c = line_[at_];
       if (is_blank(c)) {
@@ -187,9 +173,13 @@ class Scanner {
       }
       const char upper = static_cast<char>(static_cast<unsigned char>(c) & 0xDFu);
       if (upper >= 'A' && upper <= 'Z') {
-        if (!plain_words() && !word(upper, first)) return false;
+        const char* const begin = line_.data();
+        const char* const behind = plain_words(begin, begin + at_, begin + line_.size(), block_);
+        const bool plain = behind != begin + at_;
+        at_ = static_cast<std::size_t>(behind - begin);
+        if (!plain && !word(upper, first)) return false;
         first = false;
-      } else if (c == '(' || c == ';') {
+      } else if ((c == '(' && profile_.text.parentheses) || (c == ';' && profile_.text.semicolon)) {
         if (!comment(c)) return false;
       } else {
         return stray(c);
@@ -239,34 +229,6 @@ class Scanner {
                   "their value is known only to the control", "post the program with literal numbers");
   }
 
-  /// Usual words: a value letter, at once its number, then the end or a blank and the next letter. Reads as
-  /// many as there are; false: none.
-  bool plain_words() {
-    const char* const begin = line_.data();
-    const char* const end = begin + line_.size();
-    const char* p = begin + at_;
-    Letters words = block_.words;
-    while (p != end) {
-      const auto letter = static_cast<unsigned>(*p) - 'A';
-      if (letter >= 26 || (kPlainLetters & ~words & (Letters{1} << letter)) == 0) break;
-      double number = 0;
-      int decimals = 0;
-      const char* next = read_plain_decimal(begin, p + 1, end, number, decimals);
-      if (next == nullptr) break;
-      if (next != end && *next == ' ') ++next;
-      const bool ends = next == end || static_cast<unsigned>(*next) - 'A' < 26;
-      if (!ends || !(std::abs(number) <= kMaxNumber)) break;
-      words |= Letters{1} << letter;
-      block_.value[letter] = number;
-      block_.column[letter] = static_cast<std::uint8_t>(p - begin + 1);
-      p = next;
-    }
-    if (p == begin + at_) return false;
-    block_.words = words;
-    at_ = static_cast<std::size_t>(p - begin);
-    return true;
-  }
-
   bool word(char letter, bool first) {
     const std::size_t column = at_ + 1;
     ++at_;
@@ -305,36 +267,58 @@ class Scanner {
     return value_word(letter, number.value, column, first);
   }
 
-  bool g_word(double value, std::size_t column) {
-    int code = -1;
-    if (!whole(value * 10, code)) code = -1;
-    const bool switches = tcp_switch('G', code);
-    if (switches && code == 434) code = 430;  // G43.4 H applies the tool length as G43 does
-    const int group = g_group(code);
-    if (switches && group < 0) return true;
+  bool refuse_code(char letter, double value, const CodeUse& use, std::size_t column) {
     const std::size_t length = at_ + 1 - column;
-    if (group < 0) {
-      if (code == 410 || code == 411 || code == 420 || code == 421)
-        return refuse(fault_, column, length, "E-CUTCOM", "cutter radius compensation",
-                      "the control shifts the path by the tool radius, which is not followed here",
-                      "post the program with the tool centre path (compensation off)");
-      return refuse(fault_, column, length, "E-GCODE", fmt::format("G{:g} is not understood", value),
-                    "an unknown code may move the machine or change a frame",
-                    "post the program without it (docs/programs.md lists the codes known)");
-    }
+    const char* usual = letter == 'G' ? "E-GCODE" : "E-MCODE";
+    if (use.refusal == 0)
+      return refuse(fault_, column, length, usual,
+                    fmt::format("{}{:g} is not understood for {}", letter, value, profile_.title),
+                    "an unknown code may move the machine or change its state",
+                    "post the program without it (abbe profiles lists the codes known)");
+    const CodeRefusal& refusal = profile_.refusals[use.refusal - 1U];
+    // what the profile calls it
+    const char* code = refusal.error.empty() ? usual : refusal.error.c_str();
+    return refuse(fault_, column, length, code, fmt::format("{}{:g} is refused", letter, value), refusal.why,
+                  refusal.fix);
+  }
+
+  bool extra(char kind, const CodeUse& use, int code, std::size_t column) {
+    if (block_.extra_count == Block::kMaxExtras)
+      return refuse(fault_, column, at_ + 1 - column, "E-BLOCK", "too many codes in a block",
+                    "no control accepts such a block", "use two blocks");
+    const bool after = use.after || use.meaning == Meaning::exact_stop_once;
+    block_.extras[static_cast<std::size_t>(block_.extra_count++)] = {kind, after, static_cast<std::int16_t>(code), use.words};
+    return true;
+  }
+
+  bool g_word(double value, std::size_t column) {
+    static constexpr CodeUse kUnknown{};
+    int number = -1;
+    const bool is_code = whole(value * 10, number) && number >= 0 && number < static_cast<int>(Profile::kGCodes);
+    const bool switches = tcp_switch('G', number);
+    static constexpr CodeUse kTcpLength{Meaning::tool_length, false, 0, 0, letters('H')};
+    // G43.4 H applies the tool length as G43 does
+    const CodeUse& use = switches && number == 434 ? kTcpLength : is_code ? profile_.g[static_cast<std::size_t>(number)] : kUnknown;
+    if (switches && use.meaning == Meaning::unknown) return true;
+    const Seat seat = seat_of(use.meaning);
+    if (seat.group == kNoGroup) return extra('G', use, number, column);
+    if (seat.group < 0) return refuse_code('G', value, use, column);
+    const int code = use.meaning == Meaning::work_offset ? use.number - 1 : seat.code >= 0 ? seat.code : number;
+    const auto group = static_cast<std::size_t>(seat.group);
     const std::uint32_t bit = std::uint32_t{1} << group;
     if ((block_.g_groups & bit) != 0) {
-      // LinuxCNC lets G80 stand beside another motion code, which then counts alone.
+      // G80 may stand beside another motion code, which then counts alone.
       constexpr int no_motion = 800;
       if (code == no_motion) return true;
-      if (block_.g[static_cast<std::size_t>(group)] != no_motion)
-        return refuse(fault_, column, length, "E-BLOCK",
+      if (block_.g[group] != no_motion)
+        return refuse(fault_, column, at_ + 1 - column, "E-BLOCK",
                       fmt::format("G{:g}: two codes of one group in a block", value),
                       "they contradict each other", "use two blocks");
     }
     block_.g_groups |= bit;
-    block_.g[static_cast<std::size_t>(group)] = static_cast<std::int16_t>(code);
-    block_.g_column[static_cast<std::size_t>(group)] = static_cast<std::uint8_t>(column);
+    block_.g[group] = static_cast<std::int16_t>(code);
+    block_.g_column[group] = static_cast<std::uint8_t>(column);
+    block_.g_words[group] = use.words;
     return true;
   }
 
@@ -351,30 +335,32 @@ class Scanner {
   }
 
   bool m_word(double value, std::size_t column) {
-    int code = -1;
-    if (!whole(value, code)) code = -1;
-    if (tcp_switch('M', 10 * code)) return true;
-    const int group = m_group(code);
-    const std::size_t length = at_ + 1 - column;
-    if (group < 0)
-      return refuse(fault_, column, length, "E-MCODE", fmt::format("M{:g} is not understood", value),
-                    "user M codes may move the machine or change its state",
-                    "take it out (docs/programs.md lists the codes known)");
+    static constexpr CodeUse kUnknown{};
+    int number = -1;
+    const bool is_code = whole(value, number) && number >= 0 && number < static_cast<int>(Profile::kMCodes);
+    if (tcp_switch('M', 10 * number)) return true;
+    const CodeUse& use = is_code ? profile_.m[static_cast<std::size_t>(number)] : kUnknown;
+    const Seat seat = seat_of(use.meaning);
+    if (seat.group == kNoGroup) return extra('M', use, number, column);
+    if (seat.group < 0) return refuse_code('M', value, use, column);
+    const auto group = static_cast<std::size_t>(seat.group);
     const std::uint32_t bit = std::uint32_t{1} << group;
     if ((block_.m_groups & bit) != 0)
-      return refuse(fault_, column, length, "E-BLOCK",
+      return refuse(fault_, column, at_ + 1 - column, "E-BLOCK",
                     fmt::format("M{:g}: two codes of one group in a block", value),
                     "their order is not defined", "use two blocks");
     block_.m_groups |= bit;
-    block_.m[static_cast<std::size_t>(group)] = static_cast<std::int16_t>(code);
-    block_.m_column[static_cast<std::size_t>(group)] = static_cast<std::uint8_t>(column);
+    block_.m[group] = static_cast<std::int16_t>(seat.code >= 0 ? seat.code : number);
+    block_.m_column[group] = static_cast<std::uint8_t>(column);
+    block_.m_words[group] = use.words;
+    if (use.after) block_.m_after |= bit;
     return true;
   }
 
   bool value_word(char letter, double value, std::size_t column, bool first) {
     const std::size_t length = at_ + 1 - column;
     const Letters bit = letter_bit(letter);
-    if ((kValueLetters & bit) == 0) {
+    if (((kValueLetters | (profile_.letters & letter_bit('E'))) & bit) == 0) {
       if (letter == 'U' || letter == 'V' || letter == 'W')
         return refuse(fault_, column, length, "E-AXIS", fmt::format("secondary axis word {}", letter),
                       "only X Y Z and A B C are compensated in programs", "program without it");
@@ -394,26 +380,53 @@ class Scanner {
   }
 
   std::string_view line_;
+  const Profile& profile_;
   Block& block_;
   Fault& fault_;
+  std::size_t at_;
   std::span<const TcpCode> tcp_codes_;
-  std::size_t at_ = 0;
 };
+
+/// The words whose number stands without a point; zeros are the same either way.
+Letters words_without_point(std::string_view line, const Block& block) {
+  Letters found = 0;
+  for (std::size_t i = 0; i < 26; ++i) {
+    if ((block.words >> i & 1) == 0 || block.value[i] == 0) continue;
+    std::size_t at = block.column[i];  // columns count from 1: this is behind the letter
+    bool point = false;
+    for (; at < line.size() && (is_blank(line[at]) || is_number_start(line[at])); ++at) point = point || line[at] == '.';
+    if (!point) found |= Letters{1} << i;
+  }
+  return found;
+}
 
 }  // namespace
 
-bool read_block(std::string_view line, Block& block, Fault& fault, std::span<const TcpCode> tcp_codes) {
+bool read_block(std::string_view line, const Profile& profile, Block& block, Fault& fault,
+                std::span<const TcpCode> tcp_codes) {
   block.words = 0;
   block.g_groups = 0;
-  block.m_groups = 0;
+  block.m_groups = block.m_after = 0;
+  block.extra_count = 0;
+  block.pointless = 0;
   block.tcp_code = -1;
   block.deletable = false;
   block.comment_count = 0;
   if (line.size() > kMaxBlockLength)
     return refuse(fault, kMaxBlockLength + 1, 1, "E-LINELEN",
                   fmt::format("the line has {} bytes, the control reads {}", line.size(), kMaxBlockLength),
-                  "LinuxCNC stops at longer lines", "shorten the line");
-  return Scanner(line, block, fault, tcp_codes).scan();
+                  "controls stop at longer lines", "shorten the line");
+  const char* const begin = line.data();
+  const char* const behind = plain_words(begin, begin, begin + line.size(), block);
+  const auto plain = static_cast<std::size_t>(behind - begin);
+  if (plain != line.size() && !Scanner(line, plain, profile, block, fault, tcp_codes).scan()) return false;
+  const bool words = block.words != 0 || block.g_groups != 0 || block.m_groups != 0;
+  if (words && line.size() > profile.text.block_bytes)
+    return refuse(fault, profile.text.block_bytes + 1, 1, "E-LINELEN",
+                  fmt::format("the line has {} bytes, the control reads {}", line.size(), profile.text.block_bytes),
+                  "the control stops at longer lines", "shorten the line");
+  if (profile.numbers.integer_words != Profile::IntegerWords::units) block.pointless = words_without_point(line, block);
+  return true;
 }
 
 }  // namespace abbe::verifying

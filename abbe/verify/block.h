@@ -8,10 +8,11 @@
 #include <string_view>
 
 #include "abbe/machine/control_model.h"
+#include "abbe/machine/profile.h"
 
 namespace abbe::verifying {
 
-/// Longest block LinuxCNC reads, in bytes without the end of line.
+/// Longest block that any control reads, in bytes without the end of line.
 inline constexpr std::size_t kMaxBlockLength = 254;
 /// Numbers above this are refused, so that no later product overflows.
 inline constexpr double kMaxNumber = 1e9;
@@ -25,7 +26,7 @@ struct Fault {
 };
 
 /// A set of word letters: bit 0 = A, bit 25 = Z.
-using Letters = std::uint32_t;
+using Letters = LetterSet;
 constexpr Letters letter_bit(char letter) { return Letters{1} << (letter - 'A'); }
 template <class... Char>
 constexpr Letters letters(Char... letter) {
@@ -35,8 +36,10 @@ constexpr Letters letters(Char... letter) {
 /// The words of one block, before any meaning. Arrays are valid only where a bit says so, so that
 /// clearing a block costs four stores.
 struct Block {
-  static constexpr int kGroups = 16;  ///< LinuxCNC's modal groups of G codes
+  static constexpr int kGroups = 16;  ///< LinuxCNC's modal groups of G codes; 11 is rotation
   static constexpr int kStops = 4;    ///< M group: M0 M1 M2 M30 M60
+  static constexpr int kFurtherOffset = 10000;  ///< in the group of work offsets: P says which
+  static constexpr int kMaxExtras = 12;
   static constexpr int kMGroups = 10;
   static constexpr int kMaxComments = 127;
 
@@ -46,9 +49,22 @@ struct Block {
   std::uint32_t g_groups = 0;           ///< bit = group
   std::array<std::int16_t, kGroups> g;  ///< 10 times the code: G59.1 is 591
   std::array<std::uint8_t, kGroups> g_column;
+  std::array<Letters, kGroups> g_words;  ///< letters that belong to the code
   std::uint32_t m_groups = 0;
   std::array<std::int16_t, kMGroups> m;
   std::array<std::uint8_t, kMGroups> m_column;
+  std::array<Letters, kMGroups> m_words;
+  std::uint32_t m_after = 0;  ///< groups whose code acts when the motion is done
+  /// Codes without a group: they stand beside each other.
+  struct Extra {
+    char kind;  ///< G or M
+    bool after;
+    std::int16_t code;  ///< G: 10 times
+    Letters words;
+  };
+  int extra_count = 0;
+  std::array<Extra, kMaxExtras> extras;
+  Letters pointless = 0;  ///< words whose number has no point, where that matters
   int tcp_code = -1;       ///< 10 times the number of a code that switches tool centre point control
   char tcp_letter = 'G';
   bool tcp = false;        ///< on or off
@@ -70,13 +86,14 @@ struct Block {
   }
 };
 
-/// Splits one line (without its end of line) into words. Every byte is part of a known word, a comment or
-/// blank, or the block is refused.
+/// Splits one line (without its end of line) into words, as the control of the profile does. Every byte is part
+/// of a known word, a comment or blank, or the block is refused.
 /// errors   false with `fault` filled: E-CHAR E-COMMENT E-LINELEN E-OWORD E-EXPR E-NUMBER E-WORD
 /// E-AXIS
 ///          E-GCODE E-MCODE E-CUTCOM E-BLOCK
 /// cost     about 10 ns per word, no allocation unless refused
 /// `tcp_codes`: codes of this control that switch tool centre point control.
-[[nodiscard]] bool read_block(std::string_view line, Block& block, Fault& fault, std::span<const TcpCode> tcp_codes = {});
+[[nodiscard]] bool read_block(std::string_view line, const Profile& profile, Block& block, Fault& fault,
+                              std::span<const TcpCode> tcp_codes = {});
 
 }  // namespace abbe::verifying

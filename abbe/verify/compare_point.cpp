@@ -29,7 +29,7 @@ bool same_words(const Motion& a, const Motion& b) {
 /// The machine axes that a motion commands by its words. In a rotated frame X and Y move together.
 Axes Comparison::commanded(const Motion& original) const {
   constexpr Axes plane_xy = 3;
-  const bool turned = !original.machine_words && original_.frames().system().rotation != 0;
+  const bool turned = !original.machine_words && original_.frames().rotation() != 0;
   return turned && (original.named & plane_xy) != 0 ? original.named | plane_xy : original.named;
 }
 
@@ -71,7 +71,6 @@ void Comparison::compare_rapid(const Motion& original, const Motion& output) {
     const double before = angle(model_.actual_pose(original.end.at, nullptr).tool_axis);
     if (!stand(original.turns_end, output_turns)) return;
     check_direction(original, after, before);
-    standing_direction_ = before;
   }
   if (!samples_.wants_next()) return samples_.skip();
   keep_sample(target - datum_, model_.actual(original.end.at, approach_, nullptr) - target, deviation, true);
@@ -132,7 +131,7 @@ void Comparison::compare_cycle(const Motion& original, const Motion& output) {
   const int axis = a.plane == 17 ? 2 : a.plane == 18 ? 1 : 0;
   withheld_ &= ~(commanded(original) | bit(axis));
   if (a.plane != b.plane || a.holes != b.holes || a.retracts_to_r != b.retracts_to_r || a.dwell != b.dwell ||
-      std::abs(a.peck - b.peck) > kSameWord)
+      std::abs(a.peck - b.peck) > kSameWord || std::abs(a.aside - b.aside) > kSameWord)
     return disagree("V-CYCLE", "plane, number of holes, retract level, dwell or peck of the cycle differ");
   if (!check_withheld(original, output)) return;
   for (int k = 0; k < a.holes && !stop_; ++k) {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "abbe/core/units.h"
+
 namespace abbe::verifying {
 namespace {
 
@@ -12,9 +14,6 @@ constexpr std::size_t kMaxDisagreements = 20;
 constexpr std::size_t kMaxDatums = 1000;
 /// How far to look for an event that came too late.
 constexpr int kLookAhead = 16;
-/// Half of the last digit the output is written with.
-constexpr double kHalfDigitMm = 0.5e-4;
-constexpr double kHalfDigitInch = 0.5e-5 * 25.4;
 /// Differences of frames and ways of axes that are rounding of double arithmetic.
 constexpr double kRounding = 1e-8;  // mm
 
@@ -27,8 +26,8 @@ const char* why_of(std::string_view code) {
   if (code == "V-FRAME") return "every later position would be off by the difference";
   if (code == "V-LIMIT")
     return "a correction this large is more likely a mistake than an error of the machine";
-  if (code == "V-AXIS") return "a rotary axis that turns otherwise moves the tool through the part";
-  if (code == "V-DIRECTION") return "the tool would stand more askew than without compensation";
+  if (code == "V-TURN") return "a rotary axis that turns otherwise moves the tool through the part";
+  if (code == "V-AXIS") return "the tool would stand more askew than without compensation";
   if (code == "V-VOL") return "the errors are not known there, so the correction is a guess";
   if (code == "V-TRAVEL") return "the control would stop there";
   return "the output must do everything that the original does, in the same order";
@@ -81,10 +80,6 @@ bool same_values(const Event& a, const Event& b) {
 }
 bool same_kind(const Event& a, const Event& b) { return a.kind == b.kind && a.code == b.code; }
 
-std::string frame_name(int index) {
-  return index < 6 ? fmt::format("G{}", 54 + index) : fmt::format("G59.{}", index - 5);
-}
-
 }  // namespace
 
 Comparison::Comparison(const VerifyJob& job, TipModel& model, ProgramReader& original, ProgramReader& output,
@@ -94,6 +89,8 @@ Comparison::Comparison(const VerifyJob& job, TipModel& model, ProgramReader& ori
       original_(original),
       output_(output),
       report_(report),
+      half_digit_mm_(0.5 * std::pow(10.0, -output.profile().numbers.decimals_mm)),
+      half_digit_inch_(0.5 * std::pow(10.0, -output.profile().numbers.decimals_inch) * abbe::inch),
       output_turns_(job.setup.start_turns),
       samples_(job.samples) {}
 
@@ -114,7 +111,7 @@ void Comparison::run(const KeepGoing& keep_going) {
         compare_motion();
         break;
       case Item::end:
-        switch (output_.next()) {
+        switch (pull()) {
           case Item::refused:
             return refused(output_);
           case Item::end:
@@ -138,11 +135,11 @@ void Comparison::finish() {
 void Comparison::compare_event() {
   const Event& expected = original_.event();
   if (timed_ && expected.kind == EventKind::feed) return;  // held against the output's in end_timed()
-  Item item = output_.next();
+  Item item = pull();
   if (item == Item::event && begins_timed(output_.event()) && !same_kind(expected, output_.event())) {
     timed_ = true;
     if (expected.kind == EventKind::feed) return;
-    item = output_.next();
+    item = pull();
   }
   if (item != Item::event || !same_kind(expected, output_.event())) return explain_disorder(item, &expected);
   const Event& found = output_.event();
@@ -171,8 +168,8 @@ bool Comparison::begins_timed(const Event& found) const {
 void Comparison::end_timed(const Motion& original) {
   constexpr int per_minute = 940;
   timed_ = false;
-  const bool mode = output_.next() == Item::event && output_.event().kind == EventKind::g_code && output_.event().code == per_minute;
-  const bool feed = mode && output_.next() == Item::event && output_.event().kind == EventKind::feed &&
+  const bool mode = pull() == Item::event && output_.event().kind == EventKind::g_code && output_.event().code == per_minute;
+  const bool feed = mode && pull() == Item::event && output_.event().kind == EventKind::feed &&
                     output_.event().values[0] == original.feed;
   if (!feed) disagree_and_stop("V-FEED", fmt::format("G94 F{:g} is not restored behind a motion in inverse time", original.feed));
 }
@@ -180,7 +177,7 @@ void Comparison::end_timed(const Motion& original) {
 void Comparison::compare_frames() {
   const Frames& a = original_.frames();
   const Frames& b = output_.frames();
-  const double allowed = (output_.inch() ? kHalfDigitInch : kHalfDigitMm) + kRounding;
+  const double allowed = half_digit() + kRounding;
   const auto check = [&](const std::string& name, const Vec3& expected, const Vec3& found) {
     for (int i = 0; i < 3; ++i)
       if (!(std::abs(expected[i] - found[i]) <= allowed)) {
@@ -194,9 +191,10 @@ void Comparison::compare_frames() {
   if (a.active != b.active) disagree("V-FRAME", "another work offset is active");
   for (std::size_t k = 0; k < a.systems.size(); ++k) {
     if (a.systems[k].defined != b.systems[k].defined || a.systems[k].rotation != b.systems[k].rotation)
-      disagree("V-FRAME", fmt::format("{} differs", frame_name(static_cast<int>(k))));
-    check(frame_name(static_cast<int>(k)), a.systems[k].origin, b.systems[k].origin);
+      disagree("V-FRAME", fmt::format("{} differs", work_offset_label(static_cast<int>(k))));
+    check(work_offset_label(static_cast<int>(k)), a.systems[k].origin, b.systems[k].origin);
   }
+  if (a.turn != b.turn || a.pivot != b.pivot) disagree("V-FRAME", "the rotation made by the program differs");
   check("G92", a.g92, b.g92);
   check("the tool offset", a.tool_offset, b.tool_offset);
 }
@@ -239,8 +237,14 @@ void Comparison::compare_motion() {
   }
 }
 
-bool Comparison::pull_motion() {
+ProgramReader::Item Comparison::pull() {
   const Item item = output_.next();
+  if (const auto places = output_.ahead(); !places.empty()) model_.look_ahead(places, approach_);
+  return item;
+}
+
+bool Comparison::pull_motion() {
+  const Item item = pull();
   if (item == Item::motion) return true;
   explain_disorder(item, nullptr);
   return false;
@@ -264,7 +268,7 @@ void Comparison::explain_disorder(Item found, const Event* expected) {
   disagree_and_stop("V-EVENT", fmt::format("expected {}, found {}", wanted, here));
   // Is the event there, but later? Its text does not outlive the line of the original, which stays.
   for (int i = 0; i < kLookAhead; ++i) {
-    const Item item = output_.next();
+    const Item item = pull();
     if (item == Item::end || item == Item::refused) return;
     if (item != Item::event || !same_kind(*expected, output_.event()) ||
         !same_values(*expected, output_.event()))
@@ -319,7 +323,7 @@ void Comparison::update_context() {
   const Vec3 origin = frames.system().origin + frames.tool_offset;
   model_.stand({{}, {}, false, 0});
   datum_ = model_.actual(origin, Approach{}, nullptr) - model_.nominal(origin);
-  const DatumShift shift{frame_name(frames.active), tool.value_or(-1), datum_};
+  const DatumShift shift{work_offset_label(frames.active), tool.value_or(-1), datum_};
   const bool known = std::any_of(report_.datums.begin(), report_.datums.end(), [&](const DatumShift& other) {
     return other.frame == shift.frame && other.tool == shift.tool && other.removed == shift.removed;
   });
@@ -333,14 +337,16 @@ bool Comparison::stand(const Turns& original, const Turns& output) {
   if (stance == model_.stance()) return true;
   reached_.valid = false;
   if (model_.stand(stance)) return true;
-  disagree_and_stop("V-AXIS", "with the rotary axes at these positions the linear axes cannot follow the tip");
+  disagree_and_stop("V-TURN", "with the rotary axes at these positions the linear axes cannot follow the tip");
   return false;
 }
 
 /// sqrt(3) half digits: each coordinate is rounded by at most half a digit.
 double Comparison::quantum() const {
-  return std::sqrt(3.0) * (output_.inch() ? kHalfDigitInch : kHalfDigitMm);
+  return std::sqrt(3.0) * half_digit();
 }
+
+double Comparison::half_digit() const { return output_.inch() ? half_digit_inch_ : half_digit_mm_; }
 
 double Comparison::allowed_for(double quantisation) {
   report_.quantisation = std::max(report_.quantisation, quantisation);

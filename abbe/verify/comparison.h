@@ -36,6 +36,7 @@ class Comparison {
   void compare_event();
   void compare_frames();
   void compare_motion();
+  Item pull();         ///< the output's next item
   bool pull_motion();  ///< the output's next item must be a motion
   void explain_disorder(Item found, const Event* expected);
   void disagree(const char* code, std::string message);
@@ -74,7 +75,7 @@ class Comparison {
   void cover_turning(const Motion& original);
   bool turn_piece(TurnCover& cover, const Motion& piece);
   void turn_sample(TurnCover& cover, const Motion& piece, double t);
-  void find_foot(TurnCover& cover, const Vec3& tip, const Turns& turns);
+  void find_foot(TurnCover& cover, const TipAndAxis& is, const Turns& turns);
   TipAndAxis meant(const TurnCover& cover, double s);
   TipAndAxis done(const Motion& piece, double t);
   void conclude_turning(TurnCover& cover);
@@ -84,10 +85,13 @@ class Comparison {
   void end_timed(const Motion& original);
   bool stand(const Turns& original, const Turns& output);
   bool check_turns(const Motion& original, const Motion& output);
+  [[nodiscard]] double direction_allowed(const Motion& original, double before) const;
+  void disagree_direction(double after, double before);
   void check_direction(const Motion& original, double after, double before);
 
   /// Tip at the start of a motion: mostly where the last one ended, and then already known.
   [[nodiscard]] Vec3 start_tip(const Vec3& command);
+  [[nodiscard]] double half_digit() const;  ///< in the units in force, mm
   [[nodiscard]] double quantum() const;  ///< allowance for the digits of a point, mm
   double allowed_for(double quantisation);
   void follow(const Vec3& direction);  ///< approach after a motion in this direction
@@ -98,6 +102,7 @@ class Comparison {
   ProgramReader& original_;
   ProgramReader& output_;
   VerifyReport& report_;
+  double half_digit_mm_, half_digit_inch_;  ///< half of the last digit that the control resolves, mm
 
   bool stop_ = false;
   std::size_t disagreements_ = 0;
@@ -114,7 +119,6 @@ class Comparison {
   double travelled_ = 0;  ///< feed path so far, mm
   bool timed_ = false;    ///< the output has switched to G93 for a motion that the original feeds in G94
   Turns output_turns_{};  ///< of the output after its last motion
-  double standing_direction_ = 0;  ///< direction error, before compensation, where the rotary axes last turned, rad
   DeviationTally before_, after_;
   SampleKeeper samples_;
 };

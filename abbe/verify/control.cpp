@@ -20,13 +20,18 @@ bool is_cycle(int code) { return code >= 730 && code != kNoMotion; }
 }  // namespace
 
 Control::Control(const ControlSetup& setup, const Rotary* rotary)
-    : frames_(frames_of(setup)),
+    : shared_profile_(profile_of(setup)),
+      profile_(*shared_profile_),
+      frames_(frames_of(setup, profile_)),
       tools_(setup.tools),
       tool_(setup.loaded_tool),
       tool_change_keeps_place_(setup.tool_change_keeps_place),
       rotary_(rotary),
       turns_(setup.start_turns),
       tcp_(rotary != nullptr && rotary->starts_with_tcp()) {
+  if (profile_.start.units == Profile::Units::imperial) unit_ = abbe::inch;
+  incremental_ = profile_.start.distance == Profile::Distance::incremental;
+  retracts_to_r_ = profile_.start.retract_to_r;
   for (std::size_t i = 0; i < 3; ++i) {
     if (!setup.start[i]) continue;
     m_.at[static_cast<Eigen::Index>(i)] = *setup.start[i];
@@ -84,16 +89,9 @@ Event& Control::add(EventKind kind, int code, Letters words) {
   return event;
 }
 
-Axes Control::named_axes() const {
-  return ((block_->words & letter_bit('X')) != 0 ? 1u : 0u) |
-         ((block_->words & letter_bit('Y')) != 0 ? 2u : 0u) |
-         ((block_->words & letter_bit('Z')) != 0 ? 4u : 0u);
-}
-
 bool Control::frame_known() {
   if (frames_.system().defined == kAllAxes) return true;
-  const int i = frames_.active;
-  const std::string name = i < 6 ? fmt::format("G{}", 54 + i) : fmt::format("G59.{}", i - 5);
+  const std::string name = work_offset_label(frames_.active);
   return refuse(1, "E-WCS", fmt::format("the origin of {} is not known", name),
                 "errors depend on where the machine's axes stand",
                 fmt::format("give --offset {}=X..,Y..,Z..", name));
@@ -103,10 +101,24 @@ bool Control::execute(const Block& block, Fault& fault) {
   block_ = &block;
   fault_ = &fault;
   used_ = 0;
-  event_count_ = 0;
-  moves_ = stops_ = false;
+  event_count_ = after_count_ = 0;
+  moves_ = false;
   motion_code_ = -1;
   covets_ = false;
+  if (block.pointless != 0 && !settle_numbers()) return false;
+  return execute_settled();
+}
+
+/// What executing a block means once its numbers are in units.
+bool Control::execute_settled() {
+  const Block& block = *block_;
+  // Most blocks: axis words for the line or rapid in force, and nothing else.
+  const bool words_of_axes = block.words != 0 && (block.words & ~kAxisLetters) == 0;
+  if (words_of_axes && (block.g_groups | block.m_groups) == 0 && block.extra_count + block.comment_count == 0 && block.tcp_code < 0 &&
+      (mode_ == 0 || mode_ == 10)) {
+    motion_code_ = mode_;
+    return move();
+  }
 
   if (block.has('N')) {
     if (!use('N')) return false;
@@ -117,7 +129,7 @@ bool Control::execute(const Block& block, Fault& fault) {
   if ((block.words & kTurnLetters) != 0 && !turn_words_allowed()) return false;
   if (!choose_motion()) return false;
   constexpr std::uint32_t motion_group = 1u << 1;
-  const bool plain = (block.g_groups & ~motion_group) == 0 && block.m_groups == 0 &&
+  const bool plain = (block.g_groups & ~motion_group) == 0 && block.m_groups == 0 && block.extra_count == 0 &&
                      block.g_code(1) != kNoMotion && (block.words & letters('S', 'T')) == 0 && block.tcp_code < 0;
   if (plain) {
     if (!feed_words()) return false;
@@ -134,11 +146,14 @@ bool Control::choose_motion() {
   const int group0 = b.g_code(0), explicit_motion = b.g_code(1);
   const bool axis_words = (b.words & (kAxisLetters | kTurnLetters)) != 0;
   const bool offset_words = b.g_code(8) == 431;
-  const bool takes_axes = group0 == 100 || group0 == 280 || group0 == 300 || group0 == 520 || group0 == 920;
+  const bool times_by_x = group0 == 40 && (b.g_words[0] & letter_bit('X')) != 0;
+  const bool turns = b.g_code(11) == 680;
+  const bool takes_axes = group0 == 100 || group0 == 280 || group0 == 300 || group0 == 520 || group0 == 920 || times_by_x || turns;
   if (takes_axes || offset_words || group0 >= 921) {
     covets_ = true;
-    const std::size_t column = group0 >= 0 ? b.g_column[0] : b.g_column[8];
-    if (explicit_motion >= 0 && explicit_motion != kNoMotion)
+    const std::size_t column = group0 >= 0 ? b.g_column[0] : turns ? b.g_column[11] : b.g_column[8];
+    const bool only_mode = profile_.home_beside_motion && (group0 == 280 || group0 == 300) && (explicit_motion == 0 || explicit_motion == 10);
+    if (explicit_motion >= 0 && explicit_motion != kNoMotion && !only_mode)
       return refuse(column, "E-BLOCK", "a motion code together with a code that uses up the axis words",
                     "the axis words can belong to one of them only", "use two blocks");
     if ((takes_axes && offset_words) || (axis_words && !takes_axes && !offset_words))
@@ -150,7 +165,7 @@ bool Control::choose_motion() {
                                       : explicit_motion;  // a cycle becomes the mode after its first block
     if (is_cycle(explicit_motion)) motion_code_ = explicit_motion;
     if (explicit_motion == 20 || explicit_motion == 30) motion_code_ = explicit_motion;
-    if ((explicit_motion == 0 || explicit_motion == 10) && axis_words) motion_code_ = explicit_motion;
+    if ((explicit_motion == 0 || explicit_motion == 10) && axis_words && !covets_) motion_code_ = explicit_motion;
     if (explicit_motion == kNoMotion && axis_words && !covets_)
       return refuse(b.g_column[1], "E-MODE", "axis words with G80", "no motion is active to use them",
                     "give the motion code");
@@ -200,8 +215,8 @@ bool Control::settings() {
     add(EventKind::speed, 0, letter_bit('S'));
   }
   if (const int code = b.g_code(14); code >= 0) {
-    if (code == 960 && !use_optional('D')) return false;
-    add(EventKind::g_code, code, code == 960 ? letter_bit('D') : 0);
+    if (!use_all(b.g_words[14])) return false;
+    add(EventKind::g_code, code, b.g_words[14]);
   }
   if (b.has('T')) {
     int number = 0;
@@ -211,11 +226,72 @@ bool Control::settings() {
   }
   if (!m_codes()) return false;
   if (b.g_code(0) == 40) {
-    if (!b.has('P'))
-      return refuse(b.g_column[0], "E-WORD", "G4 without P", "the dwell time is missing", "add P");
-    if (!use('P')) return false;
-    add(EventKind::g_code, 40, letter_bit('P'));
+    if ((b.words & b.g_words[0]) == 0)
+      return refuse(b.g_column[0], "E-WORD", "G4 without a time", "the dwell time is missing", "add P");
+    if (!use_all(b.g_words[0])) return false;
+    add(EventKind::g_code, 40, b.g_words[0]);
   }
+  return extras(false);
+}
+
+/// Codes without a group, before or after the motion.
+bool Control::extras(bool after) {
+  for (int i = 0; i < block_->extra_count; ++i) {
+    const Block::Extra& extra = block_->extras[static_cast<std::size_t>(i)];
+    if (extra.after != after) continue;
+    if (!use_all(extra.words)) return false;
+    const EventKind kind = extra.kind == 'G' ? EventKind::g_code : EventKind::m_code;
+    if (after) {
+      fill(after_[after_count_++], kind, extra.code, extra.words);
+    } else {
+      add(kind, extra.code, extra.words);
+    }
+  }
+  return true;
+}
+
+/// The M code of a group and its words, before or after the motion.
+bool Control::m_code(int group) {
+  const int code = block_->m_code(group);
+  if (code < 0) return true;
+  const Letters words = block_->m_words[static_cast<std::size_t>(group)];
+  if (!use_all(words)) return false;
+  const bool after = (block_->m_after >> group & 1) != 0;
+  fill(after ? after_[after_count_++] : events_[event_count_++], EventKind::m_code, code, words);
+  return true;
+}
+
+bool Control::use_all(Letters letters) {
+  for (char letter = 'A'; letter <= 'Z'; ++letter)
+    if ((letters & letter_bit(letter)) != 0 && !use_optional(letter)) return false;
+  return true;
+}
+
+/// Numbers without a point, where the control counts them in increments.
+bool Control::settle_numbers() {
+  const Block& b = *block_;
+  Letters dimensions = letters('X', 'Y', 'Z', 'I', 'J', 'K', 'R');
+  const int motion = b.g_code(1) >= 0 ? b.g_code(1) : mode_;
+  if (is_cycle(motion)) dimensions &= ~letter_bit('K');
+  const Letters open = b.pointless & dimensions;
+  if (open == 0) return true;
+  if (profile_.numbers.integer_words == Profile::IntegerWords::ask) {
+    for (char letter = 'A'; letter <= 'Z'; ++letter)
+      if ((open & letter_bit(letter)) != 0)
+        return refuse_at(letter, "E-DECIMAL", fmt::format("{} without a decimal point", letter),
+                         "the control counts it in units or in increments, as a parameter says",
+                         "say which with --integer-words, or post with points");
+  }
+  const int system = b.g_code(6);
+  const bool inches = system >= 0 ? system == 200 : inch();
+  const int decimals = inches ? profile_.numbers.decimals_inch : profile_.numbers.decimals_mm;
+  settled_ = b;
+  for (std::size_t i = 0; i < 26; ++i) {
+    if ((open >> i & 1) == 0) continue;
+    const bool angle = i == 'R' - 'A' && b.g_code(11) == 680;
+    settled_.value[i] /= std::pow(10.0, angle ? profile_.numbers.decimals_degree : decimals);
+  }
+  block_ = &settled_;
   return true;
 }
 
@@ -223,24 +299,8 @@ bool Control::m_codes() {
   const Block& b = *block_;
   if (b.m_groups == 0) return true;
   if (const int code = b.m_code(6); code >= 0 && !tool_codes(code)) return false;
-  if (const int code = b.m_code(7); code >= 0) {
-    const Letters words = code == 19 ? letters('P', 'Q', 'R') : 0;
-    if (code == 19 && !(use_optional('P') && use_optional('Q') && use_optional('R'))) return false;
-    add(EventKind::m_code, code, words);
-  }
-  if (const int code = b.m_code(8); code >= 0) add(EventKind::m_code, code);
-  if (const int code = b.m_code(9); code >= 0) {
-    if (code >= 50 && !use_optional('P')) return false;
-    add(EventKind::m_code, code, code >= 50 ? letter_bit('P') : 0);
-  }
-  if (const int code = b.m_code(5); code >= 0) {
-    Letters words = letter_bit('P');
-    if (code == 66) words = letters('L', 'P', 'Q');
-    if (code >= 67) words = letter_bit('Q');
-    for (const char letter : {'L', 'P', 'Q'})
-      if ((words & letter_bit(letter)) != 0 && !use_optional(letter)) return false;
-    add(EventKind::m_code, code, words);
-  }
+  for (const int group : {7, 8, 9, 5})
+    if ((b.m_after >> group & 1) == 0 && !m_code(group)) return false;
   return true;
 }
 
@@ -291,13 +351,22 @@ bool Control::modes() {
     add(g ? EventKind::g_code : EventKind::m_code, g ? b.tcp_code : b.tcp_code / 10);
   }
   if (const int code = b.g_code(12); code >= 0) {
-    frames_.active = code < 591 ? (code - 540) / 10 : code - 591 + 6;
+    int index = code;
+    if (code == Block::kFurtherOffset) {
+      int number = 0;
+      if (!b.has('P') || !use('P') || !whole_word('P', number, "E-WCS")) return refuse(b.g_column[12], "E-WCS", "a further work offset without its number P", "the frame is not known", "add P");
+      if (number < 1 || number > profile_.offsets.further)
+        return refuse_at('P', "E-WCS", fmt::format("there is no work offset P{}", number), "the frame is not known", "correct the P word");
+      index = kFixedWorkOffsets - 1 + number;
+    }
+    frames_.active = index;
     u_ = program_of(frames_, m_);
-    add(EventKind::g_code, code).sets_frames = true;
+    add(EventKind::g_code, 540, code == Block::kFurtherOffset ? letter_bit('P') : 0).sets_frames = true;
   }
+  if (const int code = b.g_code(11); code >= 0) turn(code);
   if (const int code = b.g_code(13); code >= 0) {
-    if (code == 640 && !(use_optional('P') && use_optional('Q'))) return false;
-    add(EventKind::g_code, code, code == 640 ? letters('P', 'Q') : 0);
+    if (!use_all(b.g_words[13])) return false;
+    add(EventKind::g_code, code, b.g_words[13]);
   }
   if (const int code = change(3); code >= 0) incremental_ = code == 910;
   if (const int code = change(4); code >= 0) absolute_centres_ = code == 901;
@@ -306,14 +375,38 @@ bool Control::modes() {
   return true;
 }
 
+/// G68 X Y R and G69: after either, X and Y are known when the program commands them again.
+void Control::turn(int code) {
+  const Block& b = *block_;
+  frames_.turn = code == 680 && b.has('R') ? b['R'] * deg : 0;
+  frames_.pivot = Vec3(b.has('X') ? length_word('X') : 0, b.has('Y') ? length_word('Y') : 0, 0);
+  const Letters words = code == 680 ? letters('X', 'Y', 'R') : 0;
+  used_ |= words;
+  constexpr Axes plane_xy = 3;
+  m_.known &= ~plane_xy;
+  m_.at[0] = m_.at[1] = 0;
+  u_ = program_of(frames_, m_);
+  add(EventKind::g_code, code, words).sets_frames = true;
+}
+
 bool Control::tool_offset(int code) {
   const Block& b = *block_;
   Letters words = 0;
+  if (profile_.tools.moves && (!b.has('Z') || incremental_ || b.g_code(3) == 910)) {
+    constexpr Axes z = 4;  // parameters say whether the axis moves at once
+    m_.known &= ~z;
+    m_.at[2] = 0;
+  }
+  const bool cancels = profile_.tools.h_needed && b.has('H') && b['H'] == 0;
   // With tool centre point control the tip moves to the new length while the axes stand.
   const bool tcp = tcp_;
   if (!switch_tcp(false)) return false;
-  if (code == 490) {
+  if (code == 490 || (cancels && code != 431)) {
     frames_.tool_offset = Vec3::Zero();
+    if (cancels) {
+      words = letter_bit('H');
+      if (!use('H')) return false;
+    }
   } else if (code == 431) {
     words = kAxisLetters;
     for (int i = 0; i < 3; ++i) {
@@ -323,7 +416,7 @@ bool Control::tool_offset(int code) {
     }
   } else {
     words = letter_bit('H');
-    std::optional<int> number = tool_;
+    std::optional<int> number = profile_.tools.h_needed ? std::nullopt : tool_;
     if (b.has('H')) {
       int h = 0;
       if (!use('H') || !whole_word('H', h, "E-TOOL")) return false;
@@ -337,6 +430,8 @@ bool Control::tool_offset(int code) {
                     "its offset moves the machine", "give the tool table with --tools");
     const auto& offset = entry->second.offset;
     frames_.tool_offset = Vec3(offset[0], offset[1], offset[2]);
+    if (profile_.tools.z_only) frames_.tool_offset = Vec3(0, 0, offset[2]);
+    if (code == 440) frames_.tool_offset = -frames_.tool_offset;
   }
   u_ = program_of(frames_, m_);
   if (!switch_tcp(tcp)) return false;
@@ -352,7 +447,11 @@ bool Control::non_modal() {
     case 300:
       for (const char letter : {'X', 'Y', 'Z', 'A', 'B', 'C'})
         if (!use_optional(letter)) return false;
-      if (named_axes() != 0 && !frame_known()) return false;
+      if (named_axes(*block_) != 0 && !frame_known()) return false;
+      if (block_->has('P') && (block_->g_words[0] & letter_bit('P')) != 0) {
+        if (!use('P')) return false;
+        add(EventKind::g_code, block_->g_code(0), letter_bit('P'));
+      }
       go_home(block_->g_code(0));
       return true;
     case 520:
@@ -373,12 +472,15 @@ bool Control::set_system() {
     return refuse(b.g_column[0], "E-G10", "G10 without L and P", "what it sets is not known",
                   "give L2 or L20 and P");
   if (!use('L') || !use('P') || !whole_word('L', l, "E-G10") || !whole_word('P', p, "E-G10")) return false;
-  if ((l != 2 && l != 20) || p > 9)
+  // Where L20 does not read the position it sets a further offset.
+  const bool further = l == 20 && !profile_.offsets.l20_reads;
+  const int last = further ? profile_.offsets.further : profile_.offsets.fixed;
+  if ((l != 2 && l != 20) || p > last || (p == 0 && (further || !profile_.offsets.p0_active)))
     return refuse_at(l != 2 && l != 20 ? 'L' : 'P', "E-G10",
                      fmt::format("G10 L{} P{} is not understood", l, p),
-                     "only work offsets are followed: L2 and L20 with P0 to P9",
+                     "only work offsets are followed: L2 and L20 with the P of one",
                      "set tools in the tool table, not in the program");
-  if (l == 2 && incremental_)
+  if ((l == 2 || further) && incremental_)
     return refuse_at('L', "E-G10", "G10 L2 in G91", "controls disagree whether it adds to the offset",
                      "use G90");
   if (l == 20 && b.has('R'))
@@ -386,10 +488,10 @@ bool Control::set_system() {
   for (const char letter : {'X', 'Y', 'Z', 'R'})
     if (!use_optional(letter)) return false;
 
-  const int index = p == 0 ? frames_.active : p - 1;
+  const int index = p == 0 ? frames_.active : further ? kFixedWorkOffsets - 1 + p : p - 1;
   Frames::System& system = frames_.systems[static_cast<std::size_t>(index)];
-  const Axes named = named_axes();
-  if (l == 2) {
+  const Axes named = named_axes(*block_);
+  if (l == 2 || further) {
     for (int i = 0; i < 3; ++i)
       if ((named >> i & 1) != 0) system.origin[i] = length_word(static_cast<char>('X' + i));
     if (b.has('R')) system.rotation = b['R'] * deg;
@@ -416,13 +518,13 @@ bool Control::set_system() {
   u_ = program_of(frames_, m_);
   Event& event = add(EventKind::g_code, 100, letters('L', 'P', 'R') | kAxisLetters);
   event.sets_frames = true;
-  event.sets_position = l == 20;
+  event.sets_position = l == 20 && !further;
   return true;
 }
 
 bool Control::set_g92(int code) {
   const Block& b = *block_;
-  const Axes named = named_axes();
+  const Axes named = named_axes(*block_);
   for (const char letter : {'X', 'Y', 'Z'})
     if (!use_optional(letter)) return false;
   if ((code == 920 || code == 520) && named == 0)
@@ -471,7 +573,7 @@ void Control::go_home(int code) {
   motion_.code = code;
   motion_.machine_words = false;
   motion_.incremental = incremental_;
-  motion_.named = named_axes();
+  motion_.named = named_axes(*block_);
   for (int i = 0; i < 3; ++i)
     motion_.words[i] = (motion_.named >> i & 1) != 0 ? length_word(static_cast<char>('X' + i)) : 0;
   motion_.tcp = tcp_;
@@ -484,7 +586,7 @@ void Control::go_home(int code) {
     motion_.turn_words[static_cast<std::size_t>(k)] = (*block_)[letter];
   }
   motion_.start = m_;
-  motion_.end = machine_of(frames_, target());
+  motion_.end = machine_of(frames_, led(*block_, u_));
   m_ = motion_.end;
   const bool all = motion_.named == 0 && (block_->words & kTurnLetters) == 0;
   m_.known &= all || tcp_ ? 0u : ~motion_.named;
@@ -495,10 +597,11 @@ void Control::go_home(int code) {
 }
 
 bool Control::stops() {
+  if (block_->m_after == 0 && block_->extra_count == 0) return true;
+  if (!extras(true)) return false;
+  for (const int group : {7, 8, 9, 5, Block::kStops})
+    if ((block_->m_after >> group & 1) != 0 && !m_code(group)) return false;
   const int code = block_->m_code(Block::kStops);
-  if (code < 0) return true;
-  fill(stop_, EventKind::m_code, code, 0);
-  stops_ = true;
   ended_ = code == 2 || code == 30;
   return true;
 }

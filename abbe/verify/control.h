@@ -2,6 +2,7 @@
 
 #include <array>
 #include <map>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -12,7 +13,7 @@
 
 namespace abbe::verifying {
 
-/// What LinuxCNC remembers from block to block, and what a block makes it do.
+/// What the control remembers from block to block, and what a block makes it do.
 ///
 /// execute() does one block: the events before its motion, at most one motion, the events after it.
 /// A block is done whole or refused; after a refusal the state must not be used again.
@@ -29,10 +30,26 @@ class Control {
 
   [[nodiscard]] std::span<const Event> before() const { return {events_.data(), event_count_}; }
   [[nodiscard]] const Motion* motion() const { return moves_ ? &motion_ : nullptr; }
-  [[nodiscard]] const Event* after() const { return stops_ ? &stop_ : nullptr; }
+  [[nodiscard]] std::span<const Event> after() const { return {after_.data(), after_count_}; }
+
+  /// Where the axis words of a block lead from u (both with g92 in them), in the modes in force: u = word + g92, or
+  /// u + word in G91. Inline, so that coordinates stay in registers: stored one by one and loaded together they
+  /// would have to be waited for.
+  [[nodiscard]] Position led(const Block& block, const Position& u) const {
+    const auto coordinate = [&](int i, char letter) {
+      if (!block.has(letter)) return u.at[i];
+      const double word = block[letter] * unit_;
+      if (!incremental_) return word + frames_.g92[i];
+      return (u.known >> i & 1) != 0 ? u.at[i] + word : u.at[i];
+    };
+    return {Vec3(coordinate(0, 'X'), coordinate(1, 'Y'), coordinate(2, 'Z')),
+            incremental_ ? u.known : u.known | named_axes(block)};
+  }
+  [[nodiscard]] const Position& position() const { return u_; }  ///< u
 
   [[nodiscard]] const Frames& frames() const { return frames_; }
   [[nodiscard]] std::optional<int> tool() const { return tool_; }
+  [[nodiscard]] const Profile& profile() const { return profile_; }
   [[nodiscard]] const Turns& turns() const { return turns_; }
   [[nodiscard]] bool tcp() const { return tcp_; }
   [[nodiscard]] bool inch() const { return unit_ != 1; }
@@ -42,12 +59,13 @@ class Control {
   bool refuse(std::size_t column, const char* code, std::string message, std::string why, std::string fix);
   bool refuse_at(char letter, const char* code, std::string message, std::string why, std::string fix);
   bool use(char letter);  ///< false (refused) if another code already used this word
+  bool use_all(Letters letters);
+  bool execute_settled();
   bool use_optional(char letter) { return !block_->has(letter) || use(letter); }
   bool whole_word(char letter, int& out, const char* code);
   Event& add(EventKind kind, int code, Letters words = 0);
   void fill(Event& event, EventKind kind, int code, Letters words) const;
   [[nodiscard]] double length_word(char letter) const { return (*block_)[letter] * unit_; }
-  [[nodiscard]] Axes named_axes() const;
   bool frame_known();
 
   bool choose_motion();
@@ -67,8 +85,11 @@ class Control {
   bool arc_centre(const Vec3& start, const Vec3& end, int a, int b, Vec3& centre);
   bool canned_cycle();
   bool cycle_words(int axis);
-  [[nodiscard]] Position target() const;
   void begin_motion(MotionKind kind);
+  void turn(int code);
+  bool settle_numbers();
+  bool extras(bool after);
+  bool m_code(int group);
   bool stops();
   bool leftovers();
 
@@ -86,7 +107,10 @@ class Control {
   int motion_code_ = -1;  ///< of this block, -1 = no motion
   bool covets_ = false;   ///< axis words belong to G10 G28 G30 G52 G92 G43.1
 
-  // What the control remembers.
+  // What the control is and remembers.
+  std::shared_ptr<const Profile> shared_profile_;
+  const Profile& profile_;
+  Block settled_;  ///< the block with its numbers in units, where it needs that
   Frames frames_;
   std::map<int, ToolEntry> tools_;
   std::optional<int> tool_, selected_;
@@ -109,9 +133,10 @@ class Control {
   // What the block did.
   std::array<Event, Block::kMaxComments + 40> events_;
   std::size_t event_count_ = 0;
-  bool moves_ = false, stops_ = false;
+  std::array<Event, Block::kMGroups + Block::kMaxExtras> after_;
+  std::size_t after_count_ = 0;
+  bool moves_ = false;
   Motion motion_;
-  Event stop_;
 };
 
 }  // namespace abbe::verifying

@@ -14,10 +14,6 @@ constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kSamePoint = 1e-9;  // mm
 /// Arcs of a smaller angle become full circles in LinuxCNC.
 constexpr double kSmallestSweep = 1e-6;  // rad
-/// LinuxCNC's limits for the difference of the radii at both ends, per unit of the program.
-constexpr double kSpiralMm = 0.0282842712474619;     // 2 * 0.01 * sqrt(2)
-constexpr double kSpiralInch = 0.00282842712474619;  // inch
-constexpr double kSpiralRelative = 1e-3;
 /// How much too short R may be for its chord.
 constexpr double kRadiusMm = 0.0127;
 constexpr int kMaxRepeats = 9999;  // holes, pecks
@@ -46,29 +42,13 @@ double angle_between(double a, double b, bool clockwise) {
 
 }  // namespace
 
-/// Where the axis words of the block (in motion_) lead: u = word + g92, or u + word in G91.
-Position Control::target() const {
-  Position u = u_;
-  for (int i = 0; i < 3; ++i) {
-    if ((motion_.named >> i & 1) == 0) continue;
-    const double word = motion_.words[i];
-    if (incremental_) {
-      if ((u.known >> i & 1) != 0) u.at[i] += word;
-    } else {
-      u.at[i] = word + frames_.g92[i];
-      u.known |= Axes{1} << i;
-    }
-  }
-  return u;
-}
-
 void Control::begin_motion(MotionKind kind) {
   moves_ = true;
   motion_.kind = kind;
   motion_.code = motion_code_;
   motion_.machine_words = false;
   motion_.incremental = incremental_;
-  motion_.named = named_axes();
+  motion_.named = named_axes(*block_);
   for (int i = 0; i < 3; ++i)
     motion_.words[i] = (motion_.named >> i & 1) != 0 ? length_word(axis_letter(i)) : 0;
   motion_.start = m_;
@@ -121,9 +101,10 @@ bool Control::straight() {
     u_ = program_of(frames_, m_);
     return true;
   }
-  u_ = target();
-  m_ = machine_of(frames_, u_);
-  motion_.end = m_;
+  const Position u = led(*block_, u_), m = machine_of(frames_, u);
+  u_ = u;
+  m_ = m;
+  motion_.end = m;
   return true;
 }
 
@@ -134,7 +115,7 @@ bool Control::arc() {
   if (motion_.turns())
     return refuse(1, "E-ROTARY", "a rotary axis turns along an arc", "how both motions are joined is not known",
                   "post such paths as lines");
-  const Position from = u_, to = target();
+  const Position from = u_, to = led(*block_, u_);
   motion_.end = machine_of(frames_, to);
   if (from.known != kAllAxes || to.known != kAllAxes) return true;  // refused by move()
 
@@ -147,9 +128,10 @@ bool Control::arc() {
   if (start_radius < 1e-6 || end_radius < 1e-6)
     return refuse(1, "E-ARC", "arc of radius zero", "it has no direction", "correct the centre");
   const double mismatch = std::abs(end_radius - start_radius);
-  const double limit = inch() ? kSpiralInch * unit_ : kSpiralMm;
-  if (mismatch > 100 * limit ||
-      (mismatch > limit && mismatch > kSpiralRelative * std::max(start_radius, end_radius)))
+  const Profile::Arcs& rules = profile_.arcs;
+  const double scale = inch() ? rules.inch_scale : 1;
+  if (mismatch > rules.limit * scale ||
+      (mismatch > rules.tolerance * scale && mismatch > rules.relative * std::max(start_radius, end_radius)))
     return refuse(1, "E-ARC",
                   fmt::format("the radius is {:.4f} mm at the start and {:.4f} mm at the end", start_radius,
                               end_radius),
@@ -158,7 +140,7 @@ bool Control::arc() {
   Arc& arc = motion_.arc;
   arc.plane = plane.number;
   arc.turns = 1;
-  if (block_->has('P')) {
+  if (block_->has('P') && rules.turns) {
     if (!use('P') || !whole_word('P', arc.turns, "E-ARC")) return false;
     if (arc.turns < 1 || arc.turns > kMaxTurns)
       return refuse_at('P', "E-ARC", fmt::format("P{} turns", arc.turns),
@@ -178,7 +160,7 @@ bool Control::arc() {
   arc.start_radius = start_radius;
   arc.end_radius = end_radius;
   arc.rise = to.at[c] - from.at[c];
-  const double rotation = frames_.system().rotation;
+  const double rotation = frames_.rotation();
   arc.first = rotated_about_z(Vec3::Unit(a), rotation);
   arc.second = rotated_about_z(Vec3::Unit(b), rotation);
   arc.normal = rotated_about_z(Vec3::Unit(c), rotation);
@@ -249,13 +231,15 @@ bool Control::cycle_words(int axis) {
   const bool dwells = code == 820 || code == 860 || code == 890;
   const bool pecks = code == 730 || code == 830;
   if (!take('R', cycle_r_, unit_, true) || !take(axis_letter(axis), cycle_z_, unit_, true)) return false;
-  if ((dwells || code == 740 || code == 840) && !take('P', cycle_p_, 1, dwells)) return false;
+  if ((dwells || code == 740 || code == 840) && !take('P', cycle_p_, 1, dwells && profile_.cycles.dwell_needed)) return false;
+  if (code == 760 && !(take('P', cycle_p_, 1, false) && take('Q', cycle_q_, unit_, false))) return false;
   if (pecks && !take('Q', cycle_q_, unit_, true)) return false;
   if (pecks && !(*cycle_q_ > 0))
     return refuse_at('Q', "E-CYCLE", "peck depth Q must be above 0", "the hole would never be finished",
                      "correct Q");
-  motion_.cycle.dwell = dwells || ((code == 740 || code == 840) && block_->has('P')) ? *cycle_p_ : 0;
+  motion_.cycle.dwell = dwells || code == 760 || ((code == 740 || code == 840) && block_->has('P')) ? cycle_p_.value_or(0) : 0;
   motion_.cycle.peck = pecks ? *cycle_q_ : 0;
+  motion_.cycle.aside = code == 760 ? cycle_q_.value_or(0) : 0;
   return true;
 }
 
@@ -270,11 +254,11 @@ bool Control::canned_cycle() {
   cycle.plane = plane.number;
   cycle.retracts_to_r = retracts_to_r_;
   cycle.holes = 1;
-  if (block_->has('L')) {
-    if (!use('L') || !whole_word('L', cycle.holes, "E-CYCLE")) return false;
+  if (const char repeats = profile_.cycles.repeats; block_->has(repeats)) {
+    if (!use(repeats) || !whole_word(repeats, cycle.holes, "E-CYCLE")) return false;
     if (cycle.holes < 1 || cycle.holes > kMaxRepeats)
-      return refuse_at('L', "E-CYCLE", fmt::format("L{} repeats", cycle.holes), "L counts holes: 1 or more",
-                       "correct the L word");
+      return refuse_at(repeats, "E-CYCLE", fmt::format("{}{} repeats", repeats, cycle.holes), "it counts holes: 1 or more",
+                       "correct the word");
   }
   const bool sequence_begins = mode_ < 730 || mode_ == 800;
   if (sequence_begins) cycle_level_ = u_.at[c] - frames_.g92[c];
@@ -316,7 +300,7 @@ bool Control::canned_cycle() {
   cycle.retract = at_height(hole, r);
   cycle.bottom = at_height(hole, bottom);
   cycle.clear = at_height(hole, clear);
-  cycle.step = rotated_about_z(step, frames_.system().rotation);
+  cycle.step = rotated_about_z(step, frames_.rotation());
 
   u_.at = hole + step * (cycle.holes - 1);
   u_.at[c] = clear;

@@ -103,7 +103,7 @@ void Comparison::cover(const Motion& original) {
   cover.travelled_before = travelled_;
   ++report_.feed_motions;
   while (!stop_) {
-    const Item item = output_.next();
+    const Item item = pull();
     const bool goes_on = item == Item::motion && output_.motion().feeds() && !output_.motion().machine_words;
     if (!goes_on) {
       if (item == Item::refused) return refused(output_);
@@ -168,16 +168,19 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
       intervals = std::max(intervals, 4.0);
   }
   const int n = static_cast<int>(std::clamp(intervals, 1.0, kMaxIntervals));
-  Vec3 error = cover.tip - model_.nominal(piece.start.at);
+  const auto error_of = [&](const Vec3& tip, const Vec3& command) { return Vec3(tip - model_.nominal(command)); };
+  Vec3 error = looks_inside ? error_of(cover.tip, piece.start.at) : Vec3(Vec3::Zero());
   for (int k = 1; k <= n; ++k) {
     const double from = static_cast<double>(k - 1) / n, to = static_cast<double>(k) / n;
     const Vec3 command = k == n ? piece.end.at : point_at(piece, to);
     if (job_.reversal) follow_along(cover, to);
     const Vec3 tip = model_.actual(command, approach_, &cover.outside);
-    const Vec3 error_to = tip - model_.nominal(command);
-    if (looks_inside) sample_interval(cover, piece, from, error, to, error_to, tip, 0);
+    if (looks_inside) {
+      const Vec3 error_to = error_of(tip, command);
+      sample_interval(cover, piece, from, error, to, error_to, tip, 0);
+      error = error_to;
+    }
     account(cover, piece, to, command, tip);
-    error = error_to;
   }
   reached_ = {true, piece.end.at, cover.tip, approach_};
   if (piece.kind == MotionKind::line && cover.beyond_travel < 0) {

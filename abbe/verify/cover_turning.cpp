@@ -15,10 +15,12 @@ constexpr double kInterval = 3.3;        // mm between samples
 constexpr double kTurnInterval = 1 * deg;
 constexpr int kFewestIntervals = 3, kMostIntervals = 2000;
 constexpr double kSlope = 1e-4;          // of s, for derivatives of the path
-constexpr double kStill = 0.1;           // mm of path per unit of s: the tip does not tell where on the path it is
+constexpr double kStill = 5e-3;          // mm of path per unit of s: the tip does not tell where on the path it is
 constexpr double kFootTolerance = 2e-5;  // mm
+constexpr double kNoSwing = 1e-5;        // rad of direction per unit of s: the direction does not tell either
+constexpr double kFootAngle = 1e-7;      // rad
 constexpr int kFootSteps = 6;
-constexpr double kBehind = 0.3;          // share of a turn that a correction may lack at its end
+constexpr double kBehind = 0.1;          // share of a turn that a correction may lack at its end
 
 constexpr double kTimeTolerance = 1e-3, kShareTolerance = 2e-2;  // G93, as for other lines
 constexpr double kFeedChange = 0.1;      // of the way that F is of
@@ -62,6 +64,8 @@ struct Comparison::TurnCover {
   double excess = 0;            ///< a start that was not corrected: may fade out
   double time = 0;
   double askew = 0;             ///< of the tool without compensation, at the last sample, rad
+  double askew_excess = 0;      ///< at the start, beyond what is allowed: axes stand as another place needed it
+  double worst_direction = 0, worst_askew = 0;  ///< beyond what is allowed, and without compensation there
   bool outside = false;
   int beyond_travel = -1;
   double beyond_at = 0;
@@ -88,21 +92,25 @@ TipAndAxis Comparison::done(const Motion& piece, double t) {
   return model_.actual_pose(piece.start.at + t * (piece.end.at - piece.start.at), &outside);
 }
 
-/// The place of the original's path nearest to a tip: Gauss-Newton from the last one. Where the tip stands
-/// still, the rotary axes say.
-void Comparison::find_foot(TurnCover& cover, const Vec3& tip, const Turns& turns) {
+/// The place of the original's path nearest to a tip, by Gauss-Newton from the last one. Where the tip stands still
+/// the direction of the tool axis says where, and where that stands still too the rotary axes.
+void Comparison::find_foot(TurnCover& cover, const TipAndAxis& is, const Turns& turns) {
   for (int i = 0; i < kFootSteps; ++i) {
-    const Vec3 slope = (meant(cover, cover.s + kSlope).position - meant(cover, cover.s - kSlope).position) / (2 * kSlope);
+    const TipAndAxis behind = meant(cover, cover.s - kSlope), ahead = meant(cover, cover.s + kSlope), at = meant(cover, cover.s);
+    const Vec3 slope = (ahead.position - behind.position) / (2 * kSlope);
+    const Vec3 swing = (ahead.tool_axis - behind.tool_axis) / (2 * kSlope);
     cover.speed = slope.norm();
-    if (cover.speed < kStill) {
+    const bool by_tip = cover.speed >= kStill;
+    if (!by_tip && swing.norm() < kNoSwing) {
       double square = 0;
       cover.s = turn_share(cover.motion, turns, square);
       return;
     }
     // s := s + T'.(P - T) / T'.T'
-    const double step = slope.dot(tip - meant(cover, cover.s).position) / slope.squaredNorm();
+    const double step = by_tip ? slope.dot(is.position - at.position) / slope.squaredNorm()
+                               : swing.dot(is.tool_axis - at.tool_axis) / swing.squaredNorm();
     cover.s += std::clamp(step, -0.5, 0.5);
-    if (std::abs(step) * cover.speed < kFootTolerance) return;
+    if (std::abs(step) * (by_tip ? cover.speed / kFootTolerance : swing.norm() / kFootAngle) < 1) return;
   }
 }
 
@@ -113,7 +121,7 @@ void Comparison::cover_turning(const Motion& original) {
   cover.allowed = allowed_for(quantum());
   ++report_.feed_motions;
   while (!stop_) {
-    const Item item = output_.next();
+    const Item item = pull();
     if (item == Item::event && cover.pieces == 0 && original.feed_mode == 940 && begins_timed(output_.event())) {
       timed_ = true;
       continue;
@@ -142,6 +150,8 @@ bool Comparison::turn_piece(TurnCover& cover, const Motion& piece) {
     cover.start = piece.start.at;
     const double off = (done(piece, 0).position - meant(cover, 0).position).norm();
     cover.excess = std::max(0.0, off - cover.allowed);
+    const double askew = angle_between(done(piece, 0).tool_axis, meant(cover, 0).tool_axis);
+    cover.askew_excess = std::max(0.0, askew - direction_allowed(original, 0));
   }
   double turned = 0;
   for (std::size_t k = 0; k < 3; ++k) turned = std::max(turned, std::abs(piece.turns_end[k] - piece.turns_start[k]));
@@ -157,8 +167,10 @@ bool Comparison::turn_piece(TurnCover& cover, const Motion& piece) {
   const double turn_left = 1 - turn_share(original, piece.turns_end, square);
   const bool still = cover.speed < kStill;
   cover.shortfall = (1 - cover.s) * (still ? 0 : cover.speed);
-  const bool complete = still ? std::abs(turn_left) * std::sqrt(square) < std::min(kMaxTurn, kBehind * std::sqrt(square))
-                              : cover.shortfall <= cover.allowed;
+  const double turn_missing = std::abs(turn_left) * std::sqrt(square);
+  const bool turned_round = turn_missing < std::min(kMaxTurn, kBehind * std::sqrt(square)) &&
+                            angle_between(done(piece, 1).tool_axis, meant(cover, 1).tool_axis) <= direction_allowed(original, cover.askew);
+  const bool complete = still ? turned_round : cover.shortfall <= cover.allowed;
   check_share(cover, piece, std::clamp(cover.s, 0.0, 1.0) - s_before, complete && cover.pieces == 1);
   if (cover.worst >= job_.max_correction) {
     stop_ = true;  // this piece does not belong to the original
@@ -180,7 +192,7 @@ void Comparison::turn_sample(TurnCover& cover, const Motion& piece, double t) {
   const TipAndAxis is = done(piece, t);
   const Turns turns = along(piece.turns_start, piece.turns_end, t);
   cover.last_s = cover.s;
-  find_foot(cover, is.position, turns);
+  find_foot(cover, is, turns);
   const double inside = std::clamp(cover.s, 0.0, 1.0);
   const TipAndAxis wanted = meant(cover, cover.speed < kStill ? inside : cover.s);
   const Vec3 after = is.position - wanted.position;
@@ -199,8 +211,14 @@ void Comparison::turn_sample(TurnCover& cover, const Motion& piece, double t) {
   model_.stand(stance);
   const TipAndAxis uncorrected = model_.actual_pose(cover.motion.start.at + inside * cover.way, &cover.outside);
   const double askew = angle_between(uncorrected.tool_axis, wanted.tool_axis);
-  check_direction(cover.motion, direction, askew);
   cover.askew = askew;
+  const double fading = cover.askew_excess * (1 - inside);
+  if (direction > direction_allowed(cover.motion, askew) + fading && !(direction - askew <= cover.worst_direction - cover.worst_askew)) {
+    cover.worst_direction = direction;
+    cover.worst_askew = askew;
+  }
+  report_.direction_before = std::max(report_.direction_before, askew);
+  report_.direction_after = std::max(report_.direction_after, direction);
   const double weight = std::max(0.0, inside - std::clamp(cover.last_s, 0.0, 1.0)) * std::max(cover.way.norm(), cover.speed);
   travelled_ += weight;
   const Vec3 before = uncorrected.position - wanted.position;
@@ -214,13 +232,13 @@ void Comparison::turn_sample(TurnCover& cover, const Motion& piece, double t) {
 
 void Comparison::conclude_turning(TurnCover& cover) {
   reached_.valid = false;
-  standing_direction_ = cover.askew;
   check_turning_feed(cover);
   if (cover.worst > 0)
     disagree("V-PATH", fmt::format("the path is {:.3f} um off at {:.1f} % of the motion, {:.3f} um are allowed", cover.worst / um,
                                    100 * cover.worst_s, cover.allowed_at(cover.worst_s) / um));
   else if (cover.worst_back > 0)
     disagree("V-PATH", fmt::format("the output goes {:.3f} um backwards or beyond the end of this motion", cover.worst_back / um));
+  if (cover.worst_direction > 0) disagree_direction(cover.worst_direction, cover.worst_askew);
   if (cover.outside) disagree("V-VOL", "this motion leaves the volume in which the errors are known");
   if (cover.beyond_travel >= 0) disagree("V-TRAVEL", travel_message(cover.beyond_travel, cover.beyond_at));
 }
@@ -267,7 +285,7 @@ bool Comparison::check_turns(const Motion& original, const Motion& output) {
     const bool still = way == 0 && (original.named_turns >> k & 1) == 0;
     const bool uncommanded = original.end.known != kAllAxes;
     if ((still && its_way != 0) || (!uncommanded && !(std::abs(off) <= kMaxTurn + kTurnDigit))) {
-      disagree_and_stop("V-AXIS", fmt::format("{} turns to {:.4f} deg here, the original to {:.4f} deg", "ABC"[k],
+      disagree_and_stop("V-TURN", fmt::format("{} turns to {:.4f} deg here, the original to {:.4f} deg", "ABC"[k],
                                               output.turns_end[k] / deg, original.turns_end[k] / deg));
       return false;
     }
@@ -275,22 +293,27 @@ bool Comparison::check_turns(const Motion& original, const Motion& output) {
   return true;
 }
 
-/// The tool may not stand more askew than without compensation; axes that stand keep the correction of the place
-/// where they last turned.
-void Comparison::check_direction(const Motion& original, double after, double before) {
-  report_.direction_before = std::max(report_.direction_before, before);
-  report_.direction_after = std::max(report_.direction_after, after);
-  double digits = kTurnDigit;
-  bool all_turn = true;
+/// The tool may not stand more askew than without compensation, but for axes that do not turn here: they keep the
+/// correction of the place where they last turned.
+double Comparison::direction_allowed(const Motion& original, double before) const {
+  double digits = kTurnDigit, standing = 0;
   for (int k = 0; k < 3; ++k) {
     if (!model_.rotary().has(k)) continue;
     const auto i = static_cast<std::size_t>(k);
     digits = std::max(digits, model_.rotary().resolution(k) / 2);
-    all_turn = all_turn && original.turns_start[i] != original.turns_end[i];
+    if (original.turns_start[i] == original.turns_end[i]) standing += std::abs(output_turns_[i] - original.turns_end[i]);
   }
-  const double allowed = kDirectionTolerance + 2 * digits + before + (all_turn ? 0 : standing_direction_);
-  if (!(after <= allowed))
-    disagree("V-DIRECTION", fmt::format("the tool axis is {:.1f} urad askew, {:.1f} urad without compensation", after / urad, before / urad));
+  return kDirectionTolerance + 2 * digits + before + standing;
+}
+
+void Comparison::check_direction(const Motion& original, double after, double before) {
+  report_.direction_before = std::max(report_.direction_before, before);
+  report_.direction_after = std::max(report_.direction_after, after);
+  if (!(after <= direction_allowed(original, before))) disagree_direction(after, before);
+}
+
+void Comparison::disagree_direction(double after, double before) {
+  disagree("V-AXIS", fmt::format("the tool axis is {:.1f} urad askew, {:.1f} urad without compensation", after / urad, before / urad));
 }
 
 }  // namespace abbe::verifying

@@ -14,25 +14,34 @@ void forget_unknown(Position& position) {
     if ((position.known >> i & 1) == 0) position.at[i] = 0;
 }
 
+/// Rz(angle) (u - k) + k with k = pivot + g92.
+Vec3 turned(const Frames& frames, const Vec3& u, double angle) {
+  if (angle == 0) return u;
+  const Vec3 k = frames.pivot + frames.g92;
+  return rotated_about_z(u - k, angle) + k;
+}
+
 }  // namespace
 
-Frames frames_of(const ControlSetup& setup) {
+Frames frames_of(const ControlSetup& setup, const Profile& profile) {
+  const auto known = [](const WorkOffset& given) {
+    return Frames::System{Vec3(given.origin[0], given.origin[1], given.origin[2]), given.rotation, kAllAxes, given.turns};
+  };
   Frames frames;
-  for (std::size_t i = 0; i < frames.systems.size(); ++i) {
-    const auto& given = setup.work_offsets[i];
-    if (!given) continue;
-    frames.systems[i] = {Vec3(given->origin[0], given->origin[1], given->origin[2]), given->rotation,
-                         kAllAxes, given->turns};
+  for (const auto& given : setup.work_offsets) frames.systems.push_back(given ? known(*given) : Frames::System{});
+  for (int number = 1; number <= profile.offsets.further; ++number) {
+    const auto given = setup.further_offsets.find(number);
+    frames.systems.push_back(given == setup.further_offsets.end() ? Frames::System{} : known(given->second));
   }
   return frames;
 }
 
-Position machine_of(const Frames& frames, const Position& u) {
+Position machine_of_partly_known(const Frames& frames, const Position& u) {
   const Frames::System& system = frames.system();
   Position m;
-  m.known = known_after_rotation(u.known, system.rotation);
+  m.known = known_after_rotation(u.known, frames.rotation());
   // m = Rz u + origin + tool_offset
-  m.at = rotated_about_z(u.at, system.rotation) + system.origin + frames.tool_offset;
+  m.at = rotated_about_z(turned(frames, u.at, frames.turn), system.rotation) + system.origin + frames.tool_offset;
   if (m.known != kAllAxes) forget_unknown(m);
   return m;
 }
@@ -40,9 +49,9 @@ Position machine_of(const Frames& frames, const Position& u) {
 Position program_of(const Frames& frames, const Position& m) {
   const Frames::System& system = frames.system();
   Position u;
-  u.known = known_after_rotation(m.known, system.rotation);
+  u.known = known_after_rotation(m.known, frames.rotation());
   // u = Rz^-1 (m - origin - tool_offset)
-  u.at = rotated_about_z(m.at - system.origin - frames.tool_offset, -system.rotation);
+  u.at = turned(frames, rotated_about_z(m.at - system.origin - frames.tool_offset, -system.rotation), -frames.turn);
   if (u.known != kAllAxes) forget_unknown(u);
   return u;
 }

@@ -1,7 +1,7 @@
 #pragma once
 
-#include <array>
 #include <cmath>
+#include <vector>
 
 #include "abbe/core/linear_algebra.h"
 #include "abbe/machine/control_setup.h"
@@ -15,7 +15,7 @@ inline constexpr Axes kAllAxes = 7;
 /// What lies between a program's numbers and the axis commands:
 ///   m = Rz(rotation) (p + g92) + origin + tool_offset
 /// p program position, m axis command; all in mm. Positions are kept as u = p + g92, which G92 and
-/// G52 do not change.
+/// G52 do not change. A rotation by the program (G68) turns u about k + g92 before that.
 struct Frames {
   struct System {
     Vec3 origin = Vec3::Zero();
@@ -23,15 +23,18 @@ struct Frames {
     Axes defined = 0;     ///< axes whose origin is known
     std::array<double, 3> turns{};  ///< where A B C are zero, rad
   };
-  std::array<System, 9> systems;  ///< G54 .. G59.3
+  std::vector<System> systems;  ///< G54 .. G59.3, then the further ones
   int active = 0;
   Vec3 g92 = Vec3::Zero();
   Vec3 tool_offset = Vec3::Zero();
+  double turn = 0;              ///< rad, about `pivot`, made by the program
+  Vec3 pivot = Vec3::Zero();    ///< program coordinates
 
   [[nodiscard]] const System& system() const { return systems[static_cast<std::size_t>(active)]; }
+  [[nodiscard]] double rotation() const { return system().rotation + turn; }
 };
 
-[[nodiscard]] Frames frames_of(const ControlSetup& setup);
+[[nodiscard]] Frames frames_of(const ControlSetup& setup, const Profile& profile);
 
 /// Rz(angle) v.
 [[nodiscard]] inline Vec3 rotated_about_z(const Vec3& v, double angle) {
@@ -47,7 +50,12 @@ struct Position {
 };
 
 /// m = Rz(rotation) u + origin + tool_offset. A rotated X is known only together with Y.
-[[nodiscard]] Position machine_of(const Frames& frames, const Position& u);
+[[nodiscard]] Position machine_of_partly_known(const Frames& frames, const Position& u);
+[[nodiscard]] inline Position machine_of(const Frames& frames, const Position& u) {
+  const Frames::System& system = frames.system();
+  if (u.known != kAllAxes) return machine_of_partly_known(frames, u);
+  return {rotated_about_z(u.at, system.rotation) + system.origin + frames.tool_offset, kAllAxes};
+}
 
 /// The inverse: u = Rz(-rotation) (m - origin - tool_offset).
 [[nodiscard]] Position program_of(const Frames& frames, const Position& m);

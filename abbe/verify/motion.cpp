@@ -24,9 +24,7 @@ Vec3 derivative_at(const Motion& motion, double s) {
   return radius_rate * outward + radius * arc.sweep * along + arc.normal * arc.rise;
 }
 
-double length_of(const Motion& motion) {
-  if (motion.kind != MotionKind::arc) return (motion.end.at - motion.start.at).norm();
-  const Arc& arc = motion.arc;
+double length_of_arc(const Arc& arc) {
   const double mean_radius = 0.5 * (arc.start_radius + arc.end_radius);
   return std::hypot(mean_radius * arc.sweep, arc.end_radius - arc.start_radius, arc.rise);
 }

@@ -10,6 +10,9 @@
 
 namespace abbe::verifying {
 
+/// The axes with a word in a block. X Y Z are neighbours among the letters, as among the axes.
+[[nodiscard]] constexpr Axes named_axes(const Block& block) { return block.words >> ('X' - 'A') & kAllAxes; }
+
 /// home: G28 and G30, which end at a position that only the control knows.
 enum class MotionKind : std::uint8_t { rapid, line, arc, cycle, home };
 
@@ -41,6 +44,7 @@ struct Cycle {
   Vec3 step = Vec3::Zero();
   double dwell = 0;  ///< P, s
   double peck = 0;   ///< Q, mm
+  double aside = 0;  ///< Q of a fine bore, mm
 };
 
 /// One motion as the control executes it. Positions are points in machine coordinates, mm: axis commands of
@@ -98,6 +102,9 @@ struct Event {
 [[nodiscard]] Vec3 derivative_at(const Motion& motion, double s);
 
 /// Length of a line or arc, mm (of a spiral: with the mean radius).
-[[nodiscard]] double length_of(const Motion& motion);
+[[nodiscard]] double length_of_arc(const Arc& arc);
+[[nodiscard]] inline double length_of(const Motion& motion) {
+  return motion.kind == MotionKind::arc ? length_of_arc(motion.arc) : (motion.end.at - motion.start.at).norm();
+}
 
 }  // namespace abbe::verifying

@@ -1,6 +1,7 @@
 #include "abbe/verify/reader.h"
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "abbe/verify/block.h"
@@ -51,12 +52,12 @@ struct ProgramReader::State {
           motion_given = true;
           if (control.motion() != nullptr) return Item::motion;
         }
-        has_block = false;
-        in_tail = control.ended();
-        if (control.after() != nullptr) {
-          current = control.after();
+        if (const auto after = control.after(); after_index < after.size()) {
+          current = &after[after_index++];
           return Item::event;
         }
+        has_block = false;
+        in_tail = control.ended();
       }
       if (at_end) return Item::end;
       read_line();
@@ -65,13 +66,8 @@ struct ProgramReader::State {
   }
 
   void read_line() {
-    const auto whole = lines.next();
-    if (!whole) {
-      at_end = true;
-      if (lines.error()) refuse_file(*lines.error());
-      return;
-    }
-    text = without_eol(*whole);
+    if (++row == rows && !read_rows()) return;
+    text = texts[row];
     deletable = false;
     if (in_tail) return report(EventKind::after_end);
     if (at_start) {  // tape leader
@@ -83,12 +79,12 @@ struct ProgramReader::State {
     if (first == std::string_view::npos) return;
     const bool may_delimit = first_line || delimited;
     first_line = false;
-    if (text[first] == '%' && may_delimit && trimmed(text) == "%") {
+    if (text[first] == '%' && control.profile().text.percent && may_delimit && trimmed(text) == "%") {
       in_tail = delimited;
       delimited = true;
       return report(EventKind::delimiter);
     }
-    if (text[first] == '/') {
+    if (text[first] == '/' && control.profile().text.skip != Profile::Skip::ignored) {
       deletable = saw_deletable = true;
       if (options.skip_deletable) {
         at_top = false;
@@ -99,23 +95,58 @@ struct ProgramReader::State {
     read_words(first);
   }
 
+  [[nodiscard]] std::span<const TcpCode> tcp_codes() const {
+    return options.rotary != nullptr ? options.rotary->codes() : std::span<const TcpCode>{};
+  }
+
+  /// Some lines at once; most of them are blocks of words and nothing else, whatever comes before them.
+  bool read_rows() {
+    row = 0;
+    rows = lines.next(texts);
+    if (rows == 0) {
+      at_end = true;
+      if (lines.error()) refuse_file(*lines.error());
+      return false;
+    }
+    for (std::size_t i = 0; i < rows; ++i) {
+      texts[i] = without_eol(texts[i]);
+      readable[i] = !in_tail && read_block(texts[i], control.profile(), blocks[i], fault, tcp_codes());
+    }
+    if (options.looks_ahead) look_ahead();
+    return true;
+  }
+
+  /// In the present state: what changes it leads elsewhere.
+  void look_ahead() {
+    place_count = 0;
+    Position u = control.position();
+    for (std::size_t i = 0; i < rows; ++i) {
+      if (!readable[i] || named_axes(blocks[i]) == 0) continue;
+      u = control.led(blocks[i], u);
+      const Position m = machine_of(control.frames(), u);
+      if (m.known == kAllAxes) places[place_count++] = m.at;
+    }
+  }
+
   void read_words(std::size_t first) {
-    Fault fault;
     if (lines.too_long()) {
       fault = {"E-LINELEN",
                kMaxBlockLength + 1,
                1,
                "the line is far too long",
-               "LinuxCNC stops at longer lines",
+               "controls stop at longer lines",
                "shorten the line"};
-      return refuse(fault);
+      return refuse();
     }
     std::string_view words = text;
-    const bool numbered =
-        first_block && (text[first] == 'O' || text[first] == 'o') && program_number(first, words);
-    const auto codes = options.rotary != nullptr ? options.rotary->codes() : std::span<const TcpCode>{};
-    const bool readable = read_block(words, block, fault, codes);
-    const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0 || block.tcp_code >= 0;
+    const Profile::Text& rules = control.profile().text;
+    const bool names = (rules.program_number && (text[first] == 'O' || text[first] == 'o')) || (rules.colon && text[first] == ':');
+    const bool numbered = first_block && names && program_number(first, words);
+    // The words start elsewhere behind a program number or a tape leader.
+    const Block& block = blocks[row];
+    const bool understood =
+        (words.data() == texts[row].data() && readable[row]) || read_block(words, control.profile(), blocks[row], fault, tcp_codes());
+    const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0 || block.extra_count != 0 || block.tcp_code >= 0;
     if (numbered && says_something) {
       fault = {"E-OWORD",
                first + 1,
@@ -123,18 +154,18 @@ struct ProgramReader::State {
                "program number together with other words",
                "only a program number alone at the start is known",
                "give it a line of its own"};
-      return refuse(fault);
+      return refuse();
     }
-    if (!readable) {
+    if (!understood) {
       fault.column += text.size() - words.size();
-      return refuse(fault);
+      return refuse();
     }
     if (says_something || numbered) first_block = false;
     if (says_something) at_top = false;
-    if (!control.execute(block, fault)) return refuse(fault);
+    if (!control.execute(block, fault)) return refuse();
     has_block = true;
     motion_given = false;
-    event_index = 0;
+    event_index = after_index = 0;
   }
 
   /// Takes "O1234" from the front of the first block and reports it; what follows may be comments.
@@ -154,6 +185,8 @@ struct ProgramReader::State {
     return true;
   }
 
+  [[nodiscard]] std::uint64_t line() const { return lines.line_number() - (rows == 0 ? 0 : rows - 1 - row); }
+
   void report(EventKind kind) {
     single = Event{};
     single.kind = kind;
@@ -161,11 +194,11 @@ struct ProgramReader::State {
     has_single = true;
   }
 
-  void refuse(const Fault& fault) {
+  void refuse() {
     refused = true;
     refusal = {Severity::error,
                fault.code,
-               {name, static_cast<std::size_t>(lines.line_number()), fault.column, fault.length,
+               {name, static_cast<std::size_t>(line()), fault.column, fault.length,
                 std::string(text.substr(0, kMaxBlockLength))},
                fault.message,
                fault.why,
@@ -186,13 +219,22 @@ struct ProgramReader::State {
   std::string name;
   Options options;
   Control control;
-  Block block;
-  std::string_view text;  ///< current line without its end of line
+  Fault fault;
+
+  // The lines read last, without their ends of line, and as blocks where that is what they are.
+  static constexpr std::size_t kRows = 8;
+  std::array<std::string_view, kRows> texts;
+  std::array<Block, kRows> blocks;
+  std::array<bool, kRows> readable{};
+  std::size_t rows = 1, row = 0;  ///< the current one
+  std::array<Vec3, kRows> places;
+  std::size_t place_count = 0;
+  std::string_view text;  ///< of the current line
 
   Event single;  ///< what the current line says besides its block
   bool has_single = false;
   bool has_block = false;  ///< the block in `control` is being handed out
-  std::size_t event_index = 0;
+  std::size_t event_index = 0, after_index = 0;
   bool motion_given = false;
   const Event* current = nullptr;
 
@@ -223,7 +265,10 @@ ProgramReader::Item ProgramReader::next() { return state_->next(); }
 const Event& ProgramReader::event() const { return *state_->current; }
 const Motion& ProgramReader::motion() const { return *state_->control.motion(); }
 const Diagnostic& ProgramReader::refusal() const { return state_->refusal; }
-std::uint64_t ProgramReader::line() const { return state_->lines.line_number(); }
+std::span<const Vec3> ProgramReader::ahead() {
+  return {state_->places.data(), std::exchange(state_->place_count, 0)};
+}
+std::uint64_t ProgramReader::line() const { return state_->line(); }
 const std::string& ProgramReader::name() const { return state_->name; }
 std::string ProgramReader::source_line() const {
   return std::string(state_->text.substr(0, kMaxBlockLength));
@@ -235,6 +280,7 @@ std::optional<int> ProgramReader::tool() const { return state_->control.tool(); 
 const Turns& ProgramReader::turns() const { return state_->control.turns(); }
 bool ProgramReader::tcp() const { return state_->control.tcp(); }
 bool ProgramReader::inch() const { return state_->control.inch(); }
+const Profile& ProgramReader::profile() const { return state_->control.profile(); }
 LineReader& ProgramReader::file() { return state_->lines; }
 
 }  // namespace abbe::verifying

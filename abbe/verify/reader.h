@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "abbe/core/diagnostic.h"
@@ -14,7 +15,7 @@
 
 namespace abbe::verifying {
 
-/// Reads a program of the LinuxCNC dialect as a stream of motions (in axis commands, mm) and events,
+/// Reads a program as a stream of motions (in axis commands, mm) and events,
 /// in the order in which the control executes them. Every byte is understood or refused.
 ///
 /// cost    constant memory; about 150 ns per line of a 3-axis program, no allocation per line
@@ -26,6 +27,7 @@ class ProgramReader {
     bool skip_deletable = false;  ///< blocks with '/' are not executed
     bool report_skipped = false;  ///< ... but come as events, with their text
     const Rotary* rotary = nullptr;  ///< kept by the caller; null: rotary words are refused
+    bool looks_ahead = false;     ///< ahead() will be asked for
   };
   [[nodiscard]] static FileResult<ProgramReader> open(const std::string& path, const std::string& name,
                                                       const ControlSetup& setup, const Options& options);
@@ -41,6 +43,9 @@ class ProgramReader {
   [[nodiscard]] const Motion& motion() const;       ///< after Item::motion, until the next call
   [[nodiscard]] const Diagnostic& refusal() const;  ///< after Item::refused
 
+  /// Where the next motions seem to end, axis commands, mm: whenever new lines were read, once; else nothing.
+  [[nodiscard]] std::span<const Vec3> ahead();
+
   [[nodiscard]] std::uint64_t line() const;  ///< of the current item, from 1
   [[nodiscard]] const std::string& name() const;
   [[nodiscard]] std::string source_line() const;  ///< text of that line, for excerpts
@@ -49,6 +54,7 @@ class ProgramReader {
   [[nodiscard]] const Frames& frames() const;     ///< in force for the current item
   [[nodiscard]] std::optional<int> tool() const;  ///< in the spindle
   [[nodiscard]] bool inch() const;                ///< units in force
+  [[nodiscard]] const Profile& profile() const;   ///< of the control
   [[nodiscard]] const Turns& turns() const;       ///< of A B C after the current item's block, rad
   [[nodiscard]] bool tcp() const;                 ///< tool centre point control is on
   [[nodiscard]] LineReader& file();               ///< for bytes, identity and checksum

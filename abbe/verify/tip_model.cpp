@@ -62,6 +62,7 @@ std::optional<Diagnostic> TipModel::use_tool(std::optional<int> tool) {
                       fmt::format("the length of tool {} in the tool table is negative", tool.value_or(-1)),
                       "angular errors act with the tool's length, and a negative offset is a touch-off value",
                       fmt::format("give its gauge length: --gauge T{}=..", tool.value_or(-1))};
+  ahead_count_ = 0;
   query_.tool = tool_of(plan_.machine(), gauge.length);
   query_.approach.fill(0);
   refresh();
@@ -88,6 +89,7 @@ void TipModel::turn(Query& query, const Turns& turns) const {
 }
 
 void TipModel::refresh() {
+  ahead_count_ = 0;
   const ControlKinematics& control = rotary_.kinematics();
   query_.q.fill(0);
   turn(query_, stance_.output);
@@ -118,13 +120,32 @@ TipAndAxis TipModel::actual_pose(const Vec3& m, bool* outside) const {
   return {pose.p, (pose.R * query_.tool.axis).normalized()};
 }
 
+void TipModel::place(const Approach& approach) const {
+  // Only then: a byte written here makes the kernel wait for it.
+  if (!directional_) return;
+  for (std::size_t k = 0; k < 3; ++k) query_.approach[axes_[k]] = approach[k];
+}
+
+void TipModel::look_ahead(std::span<const Vec3> commands, const Approach& approach) {
+  ahead_count_ = ahead_next_ = 0;
+  const std::size_t count = std::min(commands.size(), kAhead);
+  if (count < 2 || stance_.tcp) return;
+  std::copy_n(commands.begin(), count, ahead_.begin());
+  ahead_approach_ = approach;
+  place(approach);
+  if (actual_tip_.neighbours(query_, axes_, std::span(ahead_).first(count), std::span(ahead_tips_))) ahead_count_ = count;
+}
+
 Vec3 TipModel::actual(const Vec3& m, const Approach& approach, bool* outside) const {
+  for (std::size_t i = ahead_next_; i < ahead_count_; ++i) {
+    if (ahead_[i] != m || (directional_ && approach != ahead_approach_)) continue;
+    ahead_next_ = i;
+    if (ahead_tips_[i].outside && outside != nullptr) *outside = true;
+    return ahead_tips_[i].tip;
+  }
   const Vec3 axes = axes_of(m);
   for (std::size_t k = 0; k < 3; ++k) query_.q[axes_[k]] = axes[static_cast<Eigen::Index>(k)];
-  // Only then: a byte written here makes the kernel wait for it.
-  if (directional_) {
-    for (std::size_t k = 0; k < 3; ++k) query_.approach[axes_[k]] = approach[k];
-  }
+  place(approach);
   return actual_tip_(query_, outside);
 }
 

@@ -40,7 +40,9 @@ struct Pass {
 void run_pass(TipModel model, const VerifyJob& job, Pass& pass, VerifyReport& report,
               const Progress& progress) {
   auto original = ProgramReader::open(job.original_path, job.original_name, job.setup, pass.options);
-  auto output = ProgramReader::open(job.output_path, job.output_name, job.setup, pass.options);
+  ProgramReader::Options output_options = pass.options;
+  output_options.looks_ahead = true;
+  auto output = ProgramReader::open(job.output_path, job.output_name, job.setup, output_options);
   if (const auto* error = std::get_if<FileError>(&original))
     report.diagnostics.push_back(unreadable(job.original_name, *error));
   if (const auto* error = std::get_if<FileError>(&output))

@@ -20,8 +20,6 @@ std::string changed(std::string text, int (*change)(int)) {
 }  // namespace
 
 void add_cl_options(CLI::App& verb, ClArguments& a, bool near) {
-  verb.add_option("--units", a.units, "CL data without UNITS: mm or inch")
-      ->check(CLI::IsMember({"mm", "inch"}));
   verb.add_option("--tool-axis", a.tool_axis,
                   "CL data: correct the tool axes of all six-number records, keep them, or auto: those while "
                   "MULTAX is on")
@@ -51,11 +49,11 @@ bool is_cl_data(std::string_view dialect, std::string_view path) {
                      [&](std::string_view ending) { return lower.ends_with(ending); });
 }
 
-ClSetting read_cl_setting(const ClArguments& a, const Machine& machine, const ControlSetup& setup,
+ClSetting read_cl_setting(const ClArguments& a, const std::string& units, const Machine& machine, const ControlSetup& setup,
                           Diagnostics& findings) {
   ClSetting setting;
   cl::Conventions& conventions = setting.conventions;
-  if (!a.units.empty()) conventions.unit = a.units == "mm" ? mm : inch;
+  if (!units.empty()) conventions.unit = units == "mm" ? mm : inch;
   conventions.axis_rule = a.tool_axis == "correct" ? cl::AxisRule::correct
                           : a.tool_axis == "keep"  ? cl::AxisRule::keep
                                                    : cl::AxisRule::automatic;

@@ -88,6 +88,7 @@ void add_gcode_options(CLI::App& verb, GcodeArguments& a) {
   verb.add_option("--feed", a.feed, "mm/min, for poses from CSV")->check(CLI::Range(1e-3, 1e6))->group(group);
   verb.add_option("--tolerance-um", a.tolerance_um, "how far the tip may leave its path between blocks")->check(CLI::Range(0.01, 1000.0))->capture_default_str()->group(group);
   verb.add_option("--max-correction-um", a.max_correction_um, "larger corrections are refused")->check(CLI::Range(1.0, 1e5))->capture_default_str()->group(group);
+  verb.add_option("--units", a.units, "CL data without UNITS: mm or inch")->check(CLI::IsMember({"mm", "inch"}))->group(group);
   add_cl_options(verb, a.cl, false);
 }
 
@@ -102,7 +103,8 @@ void write_gcode(const CommonArguments& common, const PoseArguments& poses, bool
   program.max_correction_um = a.max_correction_um;
   program.cl = a.cl;
   program.cl.near = poses.near;
-  program.dialect = "cl";
+  program.profile.dialect = "cl";
+  program.profile.units = a.units;
   if (a.output.empty() || poses.poses.empty() || (a.output == "-" && common.json)) {
     session.report(option_error("--emit", a.output.empty() ? "no -o: where does the program go?" : poses.poses.empty() ? "no --poses to write a program of" : "standard output cannot hold the program and --json",
                                 "abbe inverse MACHINE --poses part.cls --emit gcode -o part.ngc"));

@@ -77,11 +77,27 @@ int run(int argc, char** argv) {
   program.require_subcommand(1);
   program.footer(kFooter);
   const std::array verbs = {
-      describe_verb(program, session),   predict_verb(program, session), map_verb(program, session),
-      correct_verb(program, session),    inverse_verb(program, session), cl_correct_verb(program, session),
-      derive_verb(program, session),     signcheck_verb(program, session),
-      compensate_verb(program, session), check_verb(program, session),   verify_verb(program, session),
-      diff_verb(program, session),       explain_verb(program, session)};
+      describe_verb(program, session),
+      predict_verb(program, session),
+      map_verb(program, session),
+      correct_verb(program, session),
+      inverse_verb(program, session),
+      cl_correct_verb(program, session),
+      derive_verb(program, session),
+      signcheck_verb(program, session),
+      compensate_verb(program, session),
+      check_verb(program, session),
+      verify_verb(program, session),
+      diff_verb(program, session),
+      explain_verb(program, session),
+      profiles_verb(program, session),
+      capture_verb(program, session),
+      filter_verb(program, session),
+      ballbar_verb(program, session),
+      evaluate_verb(program, session),
+      fit_verb(program, session),
+      simulate_verb(program, session),
+  };
   const std::vector<std::string> words(argv + 1, argv + argc);
   try {
     program.parse(argc, argv);

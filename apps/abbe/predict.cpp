@@ -98,6 +98,8 @@ std::string block_text(const Setting& setting, const Query& query, const Predict
     text +=
         fmt::format("\nextrapolated    {} (held beyond their last value)\n", joined(prediction.extrapolated));
   }
+  const std::vector<std::string> of_one_test = errors_of_one_test(setting.machine);
+  if (!of_one_test.empty()) text += fmt::format("\nof one test     {} (never compensated)\n", joined(of_one_test));
   const std::vector<std::string> outside = outside_travel(setting.machine, query.q);
   if (!outside.empty()) text += fmt::format("\noutside travel  {}\n", joined(outside));
   if (setting.limits.given()) text += fmt::format("\nlimits          {}\n", pass ? "pass" : "FAIL");
@@ -154,7 +156,8 @@ void predict_points(const CommonArguments& common, const PointArguments& argumen
   if (common.json) {
     json.begin_object();
     write_preamble(json, "predict", setting->machine);
-    json.member("model", to_string(setting->model)).key("points").begin_array();
+    json.member("model", to_string(setting->model));
+    json.member("of_one_test", errors_of_one_test(setting->machine)).key("points").begin_array();
   } else if (!source->single()) {
     session.out.write(table_heading(*setting));
   }

@@ -52,7 +52,7 @@ void read_offsets(const std::vector<std::string>& arguments, double unit, Contro
     const std::size_t equals = argument.find('=');
     const auto index = work_offset_index(std::string_view(argument).substr(0, equals));
     if (equals == std::string::npos || !index) {
-      findings.push_back(option_error("--offset", fmt::format("'{}' does not begin with a work offset", argument), "write G54=X-120.5,Y40,Z-210 (G54 to G59.3)"));
+      findings.push_back(option_error("--offset", fmt::format("'{}' does not begin with a work offset", argument), "write G54=X-120.5,Y40,Z-210 (G54 to G59.3, G54.1P3, G154P3)"));
       continue;
     }
     const auto values = read_lettered("--offset", std::string_view(argument).substr(equals + 1), true, findings);
@@ -67,7 +67,8 @@ void read_offsets(const std::vector<std::string>& arguments, double unit, Contro
     }
     offset.rotation = values->rotation.value_or(0) * deg;
     offset.turns = values->turns;
-    setup.work_offsets[static_cast<std::size_t>(*index)] = offset;
+    if (*index < kFixedWorkOffsets) setup.work_offsets[static_cast<std::size_t>(*index)] = offset;
+    else setup.further_offsets[*index - kFixedWorkOffsets + 1] = offset;
   }
 }
 
@@ -117,8 +118,8 @@ std::string today() {
 
 void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) {
   add_common_options(verb, a.common, session);
+  add_profile_options(verb, a.profile);
   allow_quick_machine(verb, a.common);
-  verb.add_option("--dialect", a.dialect, "control the program is for")->check(CLI::IsMember({"linuxcnc", "cl", "apt", "clsf"}))->capture_default_str();
   verb.add_option("--offset", a.offsets, "work offset in machine coordinates, e.g. G54=X-120.5,Y40,Z-210[,A0,C90][,R10] (repeatable)");
   verb.add_option("--var", a.parameters, "LinuxCNC parameter file: work offsets, in mm");
   verb.add_option("--tools", a.tools, "LinuxCNC tool table, in mm (gauge= in a comment gives the gauge length)");
@@ -157,6 +158,11 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, co
   Diagnostics findings;
   ControlSetup setup;
   bool good = true;
+  const bool is_cl = is_cl_data(a.profile.dialect, program);
+  if (!is_cl) {
+    setup.profile = load_profile(a.profile, session);
+    if (setup.profile == nullptr) return std::nullopt;
+  }
   if (!a.parameters.empty()) {
     const auto text = text_of(a.parameters, session);
     good = text && take(read_parameter_file(a.parameters, *text), setup, session) && good;
@@ -182,7 +188,7 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, co
   if (!a.common.approach.empty()) findings.push_back(option_error("--approach", "a program states its own directions", "leave it out; --reversal uses them"));
   if (a.common.limit_angle_deg) findings.push_back(option_error("--limit-angle-deg", "three linear axes cannot correct the tool's direction", "leave it out, or ask `abbe predict`"));
   std::optional<ClSetting> cl;
-  if (is_cl_data(a.dialect, program)) cl = read_cl_setting(a.cl, setting->machine, setup, findings);
+  if (is_cl) cl = read_cl_setting(a.cl, a.profile.units, setting->machine, setup, findings);
   if (cl && a.reversal) findings.push_back(option_error("--reversal", "CL data do not say from which side the machine's axes come", "leave it out: the mean of both directions is corrected"));
   session.report(findings);
   if (!findings.empty() || !good) return std::nullopt;

@@ -8,6 +8,7 @@
 #include "abbe/pipeline/compensate_program.h"
 #include "cl_options.h"
 #include "common.h"
+#include "profile_options.h"
 #include "session.h"
 
 namespace abbe::app {
@@ -15,7 +16,7 @@ namespace abbe::app {
 /// Options of the verbs that read programs, as typed (docs/command-line.md).
 struct ProgramArguments {
   CommonArguments common;
-  std::string dialect = "linuxcnc";
+  ProfileArguments profile;
   std::vector<std::string> offsets, gauges, start;
   std::string tools, parameters, block_delete, tool_change = "moves", datum = "probed", header = "inline";
   std::optional<int> tool;

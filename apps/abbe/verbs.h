@@ -16,15 +16,22 @@ struct Verb {
 [[nodiscard]] Verb describe_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb predict_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb map_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb ballbar_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb correct_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb inverse_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb derive_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb cl_correct_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb signcheck_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb capture_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb filter_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb simulate_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb compensate_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb check_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb verify_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb diff_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb explain_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb profiles_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb evaluate_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb fit_verb(CLI::App& program, Session& session);
 
 }  // namespace abbe::app

@@ -36,7 +36,7 @@ class WrongInput : public ::testing::Test {
 
 TEST(Usage, HelpAndVersionAreAnswers) {
   for (const char* verb : {"describe", "derive", "predict", "map", "correct", "inverse", "cl-correct", "signcheck",
-                           "compensate", "check", "verify", "diff", "explain"}) {
+                           "compensate", "check", "verify", "diff", "explain", "evaluate", "fit"}) {
     const ProgramRun run = run_abbe({verb, "--help"});
     EXPECT_EQ(run.exit, 0) << verb;
     EXPECT_THAT(run.out, HasSubstr("Usage")) << verb;

@@ -1,0 +1,243 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <fstream>
+#include <random>
+
+#include "abbe/capture/decode.h"
+#include "abbe/capture/read_map.h"
+#include "abbe/capture/test_captures.h"
+
+namespace abbe {
+namespace {
+
+constexpr const char* kMap = R"(format = 1
+[axis.X]
+station = 1001
+counts_per_mm = 10000
+[axis.C]
+station = 1003
+counts_per_deg = -364.5
+[[object]]
+axis = "X"
+index = 0x6064
+direction = "input"
+type = "int32"
+address = 0x10000
+[[object]]
+station = 1002
+index = 0x2001
+subindex = 3
+direction = "output"
+type = "bits3"
+address = 0x10004
+bit = 5
+name = "lamp"
+)";
+
+TEST(ReadMap, AxesAndObjects) {
+  const Parsed<MapFile> parsed = read_map("m.toml", kMap);
+  ASSERT_TRUE(parsed.value) << (parsed.diagnostics.empty() ? "" : to_text(parsed.diagnostics[0]));
+  ASSERT_EQ(parsed.value->axes.size(), 2U);
+  EXPECT_EQ(parsed.value->axes[1].counts_per_unit, -364.5);
+  EXPECT_EQ(parsed.value->axes[1].unit, "deg");
+  const ProcessMap map = named(parsed.value->map, parsed.value->axes);
+  ASSERT_EQ(map.objects.size(), 2U);
+  EXPECT_EQ(map.objects[0].name, "lamp");
+  EXPECT_EQ(map.objects[0].bit, 0x10004U * 8 + 5);
+  EXPECT_EQ(map.objects[0].bits, 3);
+  EXPECT_EQ(map.objects[1].name, "X.position_actual");
+  EXPECT_EQ(map.objects[1].scale, 1e-4);
+  EXPECT_EQ(map.objects[1].unit, "mm");
+}
+
+TEST(ReadMap, MistakesAreNamed) {
+  const auto codes = [](const std::string& text) {
+    std::string list;
+    for (const Diagnostic& d : read_map("m.toml", text).diagnostics)
+      list += d.code + "@" + std::to_string(d.place.line) + " ";
+    return list;
+  };
+  const std::string start = "format = 1\n";
+  EXPECT_EQ(codes("format = 2"), "E-FORMAT@1 ");
+  EXPECT_EQ(codes("format = \n"), "E-TOML@1 ");
+  EXPECT_EQ(codes(start + "[axis.X]\nstation = 1001\n"), "E-MISSING-KEY@2 ");
+  EXPECT_EQ(codes(start + "[axis.X]\nstation = 70000\ncounts_per_mm = 1\n"), "E-VALUE@3 ");
+  EXPECT_EQ(codes(start + "[axis.X]\nstation = 1\ncounts_per_mm = 0\n"), "E-VALUE@2 ");
+  EXPECT_EQ(codes(start + "[axis.X]\nstation = 1\ncounts_per_m = 5\ncounts_per_mm = 1\n"),
+            "E-UNKNOWN-KEY@4 ");
+  const std::string object =
+      start + "[[object]]\nstation = 1\nindex = 0x6064\ndirection = \"input\"\naddress = 0\n";
+  EXPECT_EQ(codes(object + "type = \"int32\"\n"), "");
+  EXPECT_EQ(codes(object + "type = \"int31\"\n"), "E-VALUE@7 ");
+  EXPECT_EQ(codes(object + "type = \"int32\"\nscale = 0\n"), "E-VALUE@0 ");
+  EXPECT_EQ(codes(object + "type = 5\n"), "E-TYPE@7 ");
+  EXPECT_EQ(codes(start +
+                  "[[object]]\naxis = \"X\"\nindex = 1\ndirection = \"in\"\naddress = 0\ntype = \"int8\"\n"),
+            "E-VALUE@3 E-VALUE@5 ");
+}
+
+/// One slave with the given initial commands and PDOs, shortened to what counts.
+std::string eni_of(const std::string& fmmu) {
+  return R"(<?xml version="1.0"?><EtherCATConfig><Config><Slave><Info><Name>Drive</Name><PhysAddr>1002</PhysAddr></Info>
+<ProcessData><Sm3><Pdo>6659</Pdo></Sm3>
+<TxPdo Sm="3"><Index>#x1a03</Index>
+<Entry><Index>#x6064</Index><SubIndex>0</SubIndex><BitLen>32</BitLen><DataType>DINT</DataType></Entry>
+<Entry><Index>0</Index><BitLen>8</BitLen></Entry>
+<Entry><Index>#x6041</Index><SubIndex>0</SubIndex><BitLen>16</BitLen><DataType>UINT</DataType></Entry></TxPdo>
+<TxPdo><Index>#x1a00</Index><Entry><Index>#x6041</Index><SubIndex>0</SubIndex><BitLen>16</BitLen></Entry></TxPdo></ProcessData>
+<InitCmds><InitCmd><Transition>PS</Transition><Cmd>5</Cmd><Adp>1002</Adp><Ado>2072</Ado><Data>8011070020000100</Data></InitCmd>
+<InitCmd><Transition>PS</Transition><Cmd>5</Cmd><Adp>1002</Adp><Ado>1552</Ado><Data>)" +
+         fmmu + R"(</Data></InitCmd>
+<InitCmd><Transition>SP</Transition><Cmd>5</Cmd><Adp>1002</Adp><Ado>1552</Ado><Data>00000000000000000000000000000000</Data></InitCmd>
+</InitCmds></Slave></Config></EtherCATConfig>)";
+}
+
+TEST(ReadEni, ObjectsStandWhereFmmusPutThem) {
+  const Parsed<ProcessMap> parsed = read_eni("m.xml", eni_of("00080001070000078011000101000000"));
+  ASSERT_TRUE(parsed.value) << (parsed.diagnostics.empty() ? "" : to_text(parsed.diagnostics[0]));
+  const ProcessMap map = named(*parsed.value, {});
+  ASSERT_EQ(map.objects.size(), 2U);
+  EXPECT_EQ(map.objects[0].name, "1002.position_actual");
+  EXPECT_EQ(map.objects[0].bit, 0x01000800U * 8);
+  EXPECT_EQ(map.objects[1].name, "1002.statusword");
+  EXPECT_EQ(map.objects[1].bit, 0x01000800U * 8 + 40);
+  EXPECT_EQ(map.objects[1].direction, PdoDirection::input);
+}
+
+TEST(ReadEni, PartlyMappedObjectsAreLeftOut) {
+  // The range ends inside the status word.
+  const Parsed<ProcessMap> parsed = read_eni("m.xml", eni_of("00080001060000078011000101000000"));
+  ASSERT_TRUE(parsed.value);
+  EXPECT_EQ(parsed.value->objects.size(), 1U);
+  ASSERT_EQ(parsed.diagnostics.size(), 1U);
+  EXPECT_EQ(parsed.diagnostics[0].code, "W-CAPTURE-MAP");
+}
+
+TEST(ReadEni, MistakesAreNamed) {
+  const auto message = [](const std::string& text) {
+    const Parsed<ProcessMap> parsed = read_eni("m.xml", text);
+    EXPECT_FALSE(parsed.value);
+    return parsed.diagnostics.empty() ? std::string() : to_text(parsed.diagnostics[0]);
+  };
+  EXPECT_THAT(message("<a>\n<b></a>"), testing::HasSubstr("m.xml:2:"));
+  EXPECT_THAT(message(""), testing::HasSubstr("E-ENI"));
+  EXPECT_THAT(message("<EtherCATInfo/>"), testing::HasSubstr("no ENI"));
+  EXPECT_THAT(message(eni_of("00000000000000000000000000000000")), testing::HasSubstr("no FMMU"));
+  std::string nameless = eni_of("00");
+  nameless.replace(nameless.find("<PhysAddr>1002"), 14, "<PhysAddr>99999");
+  EXPECT_THAT(message(nameless), testing::HasSubstr("station address"));
+}
+
+// Facts of an ENI of four drives and an inertial sensor, as another reader's tests state them.
+TEST(ReadEni, FourDrivesOfARealMachine) {
+  std::ifstream file(ABBE_SOURCE_DIR "/../shared/data/ethercat/eni-4-elmo-drives.xml");
+  if (!file) GTEST_SKIP() << "no ../shared/data/ethercat";
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  const Parsed<ProcessMap> parsed = read_eni("elmo.xml", text);
+  ASSERT_TRUE(parsed.value);
+  const ProcessMap map = named(*parsed.value, {});
+  const auto find = [&](const std::string& name) {
+    for (const PdoObject& o : map.objects)
+      if (o.name == name) return o;
+    ADD_FAILURE() << name;
+    return PdoObject{};
+  };
+  EXPECT_EQ(map.objects.size(), 7U + 4 * 4 + 4 * 2);
+  // The image of the second drive begins 14 bytes behind that of the first; inputs lie over outputs.
+  EXPECT_EQ(find("1002.position_actual").bit, 16779264U * 8);
+  EXPECT_EQ(find("1003.position_actual").bit, (16779264U + 14) * 8);
+  EXPECT_EQ(find("1003.target_velocity").bit, (16779264U + 14) * 8);
+  EXPECT_EQ(find("1002.statusword").bit, 16779264U * 8 + 96);
+  EXPECT_EQ(find("1001.2065:00").bit, 16777216U * 8);
+
+  const std::vector<double> position = {5, -7, 2e9}, speed = {-1, 2, -3}, inertial = {-100, 100, 0};
+  const ScratchFile capture("elmo.pcap");
+  ASSERT_FALSE(put_capture(
+      capture.path(), map,
+      {{"1005.position_actual", position}, {"1005.target_velocity", speed}, {"1001.2065:00", inertial}}));
+  const auto survey = std::get<CaptureSurvey>(survey_capture(capture.path()));
+  Diagnostics findings;
+  const ProcessMap learned = named(map_of(survey.slaves, findings), {});
+  ASSERT_EQ(learned.objects.size(), map.objects.size());
+  for (std::size_t i = 0; i < map.objects.size(); ++i) {
+    EXPECT_EQ(learned.objects[i].name, map.objects[i].name);
+    EXPECT_EQ(learned.objects[i].bit, map.objects[i].bit);
+  }
+  const DecodePlan plan = plan_columns(map, survey);
+  EXPECT_TRUE(plan.missing.empty());
+  const auto decoded = decode_capture(capture.path(), plan, survey, {}, [&](const ColumnBlock& block) {
+    for (std::size_t c = 0; c < plan.columns.size(); ++c) {
+      const auto values = std::vector<double>(block.columns[c].begin(), block.columns[c].end());
+      if (plan.columns[c].name == "1005.position_actual") {
+        EXPECT_EQ(values, position);
+      }
+      if (plan.columns[c].name == "1005.target_velocity") {
+        EXPECT_EQ(values, speed);
+      }
+      if (plan.columns[c].name == "1001.2065:00") {
+        EXPECT_EQ(values, inertial);
+      }
+    }
+    return true;
+  });
+  EXPECT_EQ(std::get<DecodeReport>(decoded).rows, 3U);
+}
+
+/// Changes a few bytes, cuts, doubles a piece.
+template <class Text>
+Text mutated(Text text, std::mt19937& random) {
+  const int kind = static_cast<int>(random() % 4);
+  for (int i = 0; i < 1 + static_cast<int>(random() % 6) && !text.empty(); ++i) {
+    const std::size_t at = random() % text.size();
+    text[at] = static_cast<typename Text::value_type>(random() % 3 == 0 ? random() % 256
+                                                                        : text[random() % text.size()]);
+  }
+  if (kind == 0 && !text.empty()) text.resize(random() % text.size());
+  return text;
+}
+
+TEST(Readers, MutatedMapsAndEnisGiveAValueOrAnError) {
+  std::mt19937 random(11);
+  const std::string eni = eni_of("00080001070000078011000101000000");
+  for (int run = 0; run < 3000; ++run) {
+    const Parsed<MapFile> map = read_map("m", mutated(std::string(kMap), random));
+    ASSERT_NE(map.value.has_value(), has_errors(map.diagnostics));
+    const Parsed<ProcessMap> process = read_eni("m", mutated(eni, random));
+    ASSERT_NE(process.value.has_value(), has_errors(process.diagnostics));
+    if (process.value) {
+      ASSERT_FALSE(map_mistake(*process.value));
+    }
+  }
+}
+
+TEST(Readers, MutatedCapturesNeverGiveNumbersThatAreNone) {
+  std::vector<double> x;
+  for (int i = 0; i < 12; ++i) x.push_back(i);
+  const ScratchFile file("mutated.pcap");
+  ASSERT_FALSE(put_capture(file.path(), servo_map(two_axes()), {{"X.position_actual", x}}));
+  const std::vector<std::uint8_t> whole = file.bytes();
+  std::mt19937 random(12);
+  for (int run = 0; run < 500; ++run) {
+    file.put(mutated(whole, random));
+    const auto surveyed = survey_capture(file.path());
+    const auto* survey = std::get_if<CaptureSurvey>(&surveyed);
+    if (survey == nullptr) continue;
+    Diagnostics findings;
+    const ProcessMap map = named(map_of(survey->slaves, findings), two_axes());
+    if (map_mistake(map)) continue;
+    const DecodePlan plan = plan_columns(map, *survey);
+    DecodeOptions options;
+    options.base = best_time_base(*survey);
+    const auto decoded = decode_capture(file.path(), plan, *survey, options, [](const ColumnBlock& block) {
+      for (const auto& column : block.columns)
+        for (const double value : column) EXPECT_TRUE(std::isfinite(value));
+      for (const double t : block.time) EXPECT_TRUE(std::isfinite(t));
+      return true;
+    });
+    ASSERT_TRUE(std::holds_alternative<DecodeReport>(decoded));
+  }
+}
+
+}  // namespace
+}  // namespace abbe

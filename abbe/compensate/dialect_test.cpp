@@ -1,0 +1,221 @@
+// What controls differ in: one line of a program, what is written for it, or why it is refused.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <string>
+
+#include "abbe/compensate/rewrite_fixture.h"
+#include "abbe/machine/read_profile.h"
+
+namespace abbe::testing {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+/// X goes 0.05 um too far per mm; the machine has all three axes.
+Machine scaled_machine() { return three_axes({{"EXX", poly(0, {0, 5e-5})}}); }
+
+RewriteJob job_for(const char* dialect) {
+  RewriteJob job = plain_job();
+  job.setup.profile = embedded_profile(dialect);
+  job.setup.tools[1] = ToolEntry{1, 1, {0, 0, 100}, 100.0, 10, ""};
+  job.setup.tools[2] = ToolEntry{2, 2, {7, 0, 80}, 80.0, 10, ""};
+  job.setup.start = {0.0, 0.0, 0.0};
+  return job;
+}
+
+/// With what the control leaves open stated.
+RewriteJob job_for(const char* dialect, Profile::IntegerWords words, Profile::Units units = Profile::Units::metric) {
+  RewriteJob job = job_for(dialect);
+  Profile profile = *job.setup.profile;
+  profile.numbers.integer_words = words;
+  profile.start.units = units;
+  job.setup.profile = std::make_shared<const Profile>(std::move(profile));
+  return job;
+}
+
+std::string body(const std::string& program, const char* dialect) { return rewrite(scaled_machine(), program, job_for(dialect)).text; }
+
+TEST(Dialects, WordsHaveTheDigitsOfTheControl) {
+  EXPECT_EQ(body("G21 G90 G0 X100. Y0. Z0.\nM30\n", "fanuc"), "G21 G90 G0 X99.995 Y0. Z0.\nM30\n");
+  EXPECT_EQ(body("G21 G90 G0 X100. Y0. Z0.\nM30\n", "grbl"), "G21 G90 G0 X99.9950 Y0. Z0.\nM30\n");
+  EXPECT_EQ(body("G20 G90 G0 X4. Y0. Z0.\nM30\n", "fanuc"), "G20 G90 G0 X3.9998 Y0. Z0.\nM30\n");
+}
+
+TEST(Dialects, ANumberWithoutAPointIsNotGuessed) {
+  const std::string program = "G21 G90 G0 X100 Y0 Z0\nM30\n";
+  const auto refused = rewrite(scaled_machine(), program, job_for("fanuc"));
+  EXPECT_TRUE(refused.has("E-DECIMAL")) << refused.findings();
+  EXPECT_THAT(refused.findings(), HasSubstr("part.ngc:1:12"));
+  EXPECT_EQ(rewrite(scaled_machine(), program, job_for("fanuc", Profile::IntegerWords::units)).text, "G21 G90 G0 X99.995 Y0 Z0\nM30\n");
+  // 100 increments are 0.1 mm: nothing to correct; 100000 are 100 mm
+  EXPECT_EQ(rewrite(scaled_machine(), program, job_for("fanuc", Profile::IntegerWords::increments)).text, program);
+  EXPECT_EQ(rewrite(scaled_machine(), "G21 G90 G0 X100000 Y0 Z0\nM30\n", job_for("fanuc", Profile::IntegerWords::increments)).text,
+            "G21 G90 G0 X99.995 Y0 Z0\nM30\n");
+  EXPECT_EQ(rewrite(scaled_machine(), "G20 G90 G0 X40000 Y0 Z0\nM30\n", job_for("fanuc", Profile::IntegerWords::increments)).text,
+            "G20 G90 G0 X3.9998 Y0 Z0\nM30\n");
+}
+
+TEST(Dialects, CountersAndZerosNeedNoPoint) {
+  const auto result = rewrite(scaled_machine(), "G21 G90 G0 X0 Y0 Z5.\nG91 G81 X1. Z-2. R-1. K3 F100\nG80\nM30\n", job_for("fanuc"));
+  EXPECT_TRUE(result.report.complete) << result.findings();
+}
+
+TEST(Dialects, WhatTheControlDoesNotResolveIsRefused) {
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G0 X1.2345 Y0 Z0\nM30\n", job_for("fanuc")).has("E-DIGITS"));
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G0 X1.2340 Y0 Z0\nM30\n", job_for("fanuc")).report.complete);
+}
+
+TEST(Dialects, WhatRanBeforeDecidesNothing) {
+  EXPECT_TRUE(rewrite(scaled_machine(), "G90 G0 X1. Y0 Z0\nM30\n", job_for("fanuc")).has("E-START"));
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G0 X1. Y0 Z0\nM30\n", job_for("fanuc")).has("E-START"));
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G0 G90\nX1. Y0 Z0\nM30\n", job_for("fanuc")).report.complete);
+  EXPECT_TRUE(rewrite(scaled_machine(), "G0 X1 Y0 Z0\nM30\n", job_for("grbl")).report.complete);
+}
+
+TEST(Dialects, CodesAfterTheMotionStandOnTheLastPiece) {
+  const Machine bent = three_axes({{"EYX", poly(0, {0, 0, 1e-6})}});
+  const auto fanuc = rewrite(bent, "G21 G90 G0 X0 Y0 Z0\n/2G1 G9 X190. F500 M3 M9\nM30\n", job_for("fanuc"));
+  RewriteJob executed = job_for("fanuc");
+  executed.setup.block_delete = ControlSetup::BlockDelete::off;
+  const auto split = rewrite(bent, "G21 G90 G0 X0 Y0 Z0\n/2G1 G9 X190. F500 M3 M9\nM30\n", executed);
+  EXPECT_TRUE(fanuc.has("E-SKIP"));
+  ASSERT_TRUE(split.report.complete) << split.findings();
+  ASSERT_GT(split.report.blocks.split, 0U);
+  const std::size_t first = split.text.find("/2G1"), end = split.text.find('\n', first);
+  EXPECT_THAT(split.text.substr(first, end - first), Not(HasSubstr("M9")));
+  EXPECT_THAT(split.text.substr(first, end - first), Not(HasSubstr("G9")));
+  EXPECT_THAT(split.text.substr(first, end - first), HasSubstr("M3"));
+  const std::size_t last = split.text.rfind("/2");
+  EXPECT_THAT(split.text.substr(last, split.text.find('\n', last) - last), ::testing::AllOf(HasSubstr("M9"), HasSubstr("G9")));
+}
+
+TEST(Dialects, LinesStayWithinTheControlsBuffer) {
+  const std::string comment(40, 'C');
+  const std::string line = "G1 X100. Y0. Z0. F1000 (" + comment + ")";  // 65 bytes
+  EXPECT_TRUE(rewrite(scaled_machine(), "G0 X0 Y0 Z0\n" + line + "\nM30\n", job_for("grbl")).report.complete);
+  const std::string full = "G1 X100 Y0 Z0 F1000 (" + std::string(56, 'C') + ")";  // 78 bytes, two more for the digits
+  const auto refused = rewrite(scaled_machine(), "G0 X0 Y0 Z0\n" + full + "\nM30\n", job_for("grbl"));
+  EXPECT_TRUE(refused.has("E-LINELEN")) << refused.text;
+  EXPECT_TRUE(rewrite(scaled_machine(), "G0 X0 Y0 Z0\n" + full + "\nM30\n", job_for("grblhal")).report.complete);
+}
+
+TEST(Dialects, FurtherWorkOffsetsAreFollowed) {
+  RewriteJob job = job_for("fanuc");
+  job.setup.further_offsets[3] = WorkOffset{{100, 0, 0}, 0};
+  EXPECT_EQ(rewrite(scaled_machine(), "G21 G90 G54.1 P3 G0 X100. Y0 Z0\nM30\n", job).text, "G21 G90 G54.1 P3 G0 X99.990 Y0 Z0\nM30\n");
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G54.1 P4 G0 X100. Y0 Z0\nM30\n", job).has("E-WCS"));
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G54.1 P301 G0 X100. Y0 Z0\nM30\n", job).has("E-WCS"));
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G54.1 G0 X100. Y0 Z0\nM30\n", job).has("E-WCS"));
+  job.setup.profile = embedded_profile("haas");
+  EXPECT_EQ(rewrite(scaled_machine(), "G21 G90 G154 P3 G0 X100. Y0 Z0\nM30\n", job).text, "G21 G90 G154 P3 G0 X99.990 Y0 Z0\nM30\n");
+  EXPECT_EQ(rewrite(scaled_machine(), "G21 G90 G112 G0 X100. Y0 Z0\nM30\n", job).text, "G21 G90 G112 G0 X99.990 Y0 Z0\nM30\n");
+}
+
+TEST(Dialects, WorkOffsetsSetByTheProgramAreFollowed) {
+  EXPECT_EQ(body("G21 G90 G10 L2 P1 X100. Y0 Z0\nG54 G0 X100. Y0 Z0\nM30\n", "fanuc"), "G21 G90 G10 L2 P1 X100. Y0 Z0\nG54 G0 X99.990 Y0 Z0\nM30\n");
+  EXPECT_EQ(body("G21 G90 G10 L20 P2 X100. Y0 Z0\nG54.1 P2 G0 X100. Y0 Z0\nM30\n", "fanuc"),
+            "G21 G90 G10 L20 P2 X100. Y0 Z0\nG54.1 P2 G0 X99.990 Y0 Z0\nM30\n");
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G10 L2 P0 X1. Y0 Z0\nM30\n", job_for("fanuc")).has("E-G10")) << "the external offset";
+  EXPECT_TRUE(rewrite(scaled_machine(), "G90 G10 L2 P7 X1. Y0 Z0\nM30\n", job_for("grbl")).has("E-G10"));
+}
+
+TEST(Dialects, ARotationTurnsTheCorrectionBack) {
+  // G68 R90 about the origin: program Y is machine -X, so the error of X is taken out of Y.
+  const std::string program = "G21 G90 G17 G0 X0 Y0 Z0\nG68 X0 Y0 R90.\nG0 X0 Y100.\nG1 X10. Y100. F500\nG69\nG0 X0 Y0\nM30\n";
+  EXPECT_EQ(body(program, "fanuc"), "G21 G90 G17 G0 X0 Y0 Z0\nG68 X0 Y0 R90.\nG0 X0 Y99.995\nG1 X10. Y99.995 F500\nG69\nG0 X0 Y0\nM30\n");
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G17 G0 X0 Y0 Z0\nG68 R90.\nM30\n", job_for("fanuc")).has("E-ROTATION"));
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G17 G0 X0 Y0 Z0\nG68 X0 Y0 R90.\nG1 X10. F50\nM30\n", job_for("fanuc")).has("E-POS"));
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G17 G0 X0 Y0 Z0\nG68 X0 Y0 R90.\nG55\nM30\n", job_for("fanuc")).has("E-ROTATION"));
+}
+
+TEST(Dialects, ARotationTurnsAboutItsCentre) {
+  // about (50, 0) by 180 degrees: program X100 is machine X0, program X0 machine X100
+  const std::string program = "G21 G90 G17 G0 X0 Y0 Z0\nG68 X50. Y0 R180.\nG0 X100. Y0\nG0 X0 Y0\nM30\n";
+  EXPECT_EQ(body(program, "fanuc"), "G21 G90 G17 G0 X0 Y0 Z0\nG68 X50. Y0 R180.\nG0 X100. Y0\nG0 X0.005 Y0\nM30\n");
+}
+
+TEST(Dialects, AnOffsetThatMayMoveTheAxisLeavesItUnknown) {
+  const std::string known = "G21 G90 G0 X0 Y0 Z50.\nG43 H1 Z10.\nG1 X100. F500\nM30\n";
+  EXPECT_TRUE(rewrite(scaled_machine(), known, job_for("fanuc")).report.complete);
+  const std::string unknown = "G21 G90 G0 X0 Y0 Z50.\nG43 H1\nG1 X100. F500\nM30\n";
+  EXPECT_TRUE(rewrite(scaled_machine(), unknown, job_for("fanuc")).has("E-POS"));
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G0 X0 Y0 Z50.\nG43 Z10.\nM30\n", job_for("fanuc")).has("E-TOOL")) << "H is missing";
+}
+
+TEST(Dialects, AToolOffsetActsOnZOnly) {
+  // Tool 2 has an offset of 7 mm in X, which this control does not apply.
+  EXPECT_EQ(body("G21 G90 G0 X100. Y0 Z50.\nG43 H2 Z10.\nM30\n", "fanuc"), "G21 G90 G0 X99.995 Y0 Z50.\nG43 H2 Z10.\nM30\n");
+}
+
+TEST(Dialects, AfterAReferenceReturnTheOffsetMustBeNamedAgain) {
+  const std::string start = "G21 G90 G0 X0 Y0 Z50.\nG43 H1 Z10.\nG0 G91 G28 Z0\nG90 G0 X5. Y0\n";
+  EXPECT_TRUE(rewrite(scaled_machine(), start + "Z5.\nM30\n", job_for("fanuc")).has("E-TOOL"));
+  EXPECT_TRUE(rewrite(scaled_machine(), start + "G43 H1 Z5.\nG1 X9. F50\nM30\n", job_for("fanuc")).report.complete);
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G0 X0 Y0 Z50.\nG28\nM30\n", job_for("fanuc")).has("E-BLOCK")) << "no axis";
+}
+
+TEST(Dialects, ADwellInXIsNoMotion) {
+  EXPECT_EQ(body("G21 G90 G0 X100. Y0 Z0\nG4 X1.5\nG1 X50. F100\nM30\n", "fanuc"), "G21 G90 G0 X99.995 Y0 Z0\nG4 X1.5\nG1 X49.998 F100\nM30\n");
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G0 X1. Y0 Z0\nG4 X1. Y2.\nM30\n", job_for("fanuc")).has("E-WORD"));
+}
+
+TEST(Dialects, SmoothingIsCopiedAndReported) {
+  for (const auto& [dialect, code] : {std::pair{"fanuc", "G5.1 Q1"}, {"haas", "G187 P3 E0.01"}, {"fanuc", "G05 P10000"}}) {
+    const auto result = rewrite(scaled_machine(), std::string("G21 G90 G0 X0 Y0 Z0\n") + code + "\nM30\n", job_for(dialect));
+    EXPECT_TRUE(result.report.complete) << result.findings();
+    EXPECT_TRUE(result.has("W-SMOOTH")) << code;
+    EXPECT_THAT(result.text, HasSubstr(code));
+  }
+  EXPECT_TRUE(rewrite(scaled_machine(), "G0 X0 Y0 Z0\nG64 P0.05\nM30\n").has("W-SMOOTH"));
+  EXPECT_FALSE(rewrite(scaled_machine(), "G0 X0 Y0 Z0\nG64 P0.0005\nM30\n").has("W-SMOOTH"));
+}
+
+TEST(Dialects, TextOfAnotherControlIsRefused) {
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 ; comment\nM30\n", job_for("fanuc")).has("E-CHAR"));
+  EXPECT_TRUE(rewrite(scaled_machine(), "%\nM30\n%\n", job_for("grbl")).has("E-CHAR"));
+  EXPECT_TRUE(rewrite(scaled_machine(), "O1\nM30\n", job_for("grbl")).has("E-OWORD"));
+  EXPECT_EQ(body("%\n:0097(NAME)\nG21\nM30\n%\n", "fanuc"), "%\n:0097(NAME)\nG21\nM30\n%\n");
+  EXPECT_EQ(body("/G0 X100.\nM30\n", "grbl"), "/G0 X99.9950\nM30\n") << "Grbl runs such blocks";
+}
+
+struct Refused {
+  const char* dialect;
+  const char* line;
+  const char* code;
+};
+class DialectRefuses : public ::testing::TestWithParam<Refused> {};
+
+TEST_P(DialectRefuses, WhatItDoesNotUnderstand) {
+  const auto result = rewrite(scaled_machine(), std::string("G21 G90 G0 X0. Y0. Z50.\n") + GetParam().line + "\nM30\n", job_for(GetParam().dialect));
+  EXPECT_FALSE(result.report.complete);
+  EXPECT_TRUE(result.has(GetParam().code)) << result.findings();
+  EXPECT_THAT(result.findings(), HasSubstr("part.ngc:2:"));
+  EXPECT_THAT(result.findings(), ::testing::AllOf(HasSubstr("why:"), HasSubstr("fix:")));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Codes, DialectRefuses,
+    ::testing::Values(Refused{"fanuc", "G41 D1", "E-CUTCOM"}, Refused{"fanuc", "G92 X0", "E-GCODE"}, Refused{"fanuc", "G51 X0 Y0 P1000", "E-FRAME"},
+                      Refused{"fanuc", "G51.1 X0", "E-FRAME"}, Refused{"fanuc", "G7.1 C10.", "E-FRAME"}, Refused{"fanuc", "G107 C10.", "E-FRAME"},
+                      Refused{"fanuc", "G12.1", "E-FRAME"}, Refused{"fanuc", "G112", "E-FRAME"}, Refused{"fanuc", "G16", "E-FRAME"},
+                      Refused{"fanuc", "G68.2 X0 Y0 Z0 I0 J30. K0", "E-FRAME"}, Refused{"fanuc", "G6.2 P3 K0 X0 Y0 Z0", "E-GCODE"},
+                      Refused{"fanuc", "G60 X10.", "E-GCODE"}, Refused{"fanuc", "G31 Z-5. F50", "E-GCODE"}, Refused{"fanuc", "G65 P9010", "E-GCODE"},
+                      Refused{"fanuc", "M98 P1000", "E-MCODE"}, Refused{"fanuc", "M99", "E-MCODE"}, Refused{"fanuc", "M77", "E-MCODE"},
+                      Refused{"fanuc", "G87 Z-5. R2. Q1. F50", "E-CYCLE"}, Refused{"fanuc", "G33 Z-5. F1.", "E-GCODE"}, Refused{"fanuc", "X#1", "E-EXPR"},
+                      Refused{"fanuc", "G2 X10. P2 I5.", "E-WORD"}, Refused{"fanuc", "G81 Z-5. R60. F50", "E-CYCLE"}, Refused{"fanuc", "G54.1 P1 G55", "E-BLOCK"},
+                      Refused{"fanuc", "G5 P10000 X1.", "E-BLOCK"}, Refused{"fanuc", "T1 M6 X5.", "E-AUX"}, Refused{"fanuc", "G18 G81 X5. Y-5. R2. F50", "E-CYCLE"},
+                      Refused{"haas", "G13 I10. F50 D1", "E-CYCLE"}, Refused{"haas", "G70 I10. J0 L4", "E-CYCLE"}, Refused{"haas", "G150 P1", "E-CYCLE"},
+                      Refused{"haas", "G101 X0", "E-FRAME"}, Refused{"haas", "G52 X1.", "E-GCODE"}, Refused{"haas", "M97 P10", "E-MCODE"},
+                      Refused{"haas", "G54.1 P1", "E-GCODE"}, Refused{"haas", "G5.1 Q1", "E-GCODE"}, Refused{"grbl", "G81 Z-5 R2 F50", "E-CYCLE"},
+                      Refused{"grbl", "G43 H1", "E-GCODE"}, Refused{"grbl", "G43.1 X1", "E-WORD"}, Refused{"grbl", "G90.1", "E-GCODE"},
+                      Refused{"grbl", "M6 T1", "E-MCODE"}, Refused{"grbl", "G64 P0.1", "E-GCODE"}, Refused{"grbl", "G2 X10 P2 I5", "E-WORD"},
+                      Refused{"grbl", "G38.2 Z-5 F50", "E-GCODE"}, Refused{"grbl", "G52 X1", "E-GCODE"}, Refused{"grbl", "G1 X5 A10 F50", "E-ROTARY"},
+                      Refused{"grbl", "G10 L2 P1 X1 R5", "E-WORD"}, Refused{"grbl", "G2 X10.1 Y0 I5 J0 F100", "E-ARC"},
+                      Refused{"grblhal", "G84 Z-5 R2 F50", "E-CYCLE"}, Refused{"iso", "G2 X10. R5. F50", "E-WORD"}));
+
+}  // namespace
+}  // namespace abbe::testing

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "abbe/fit/fit_job.h"
+#include "abbe/fit/joint_fit.h"
+
+namespace abbe {
+
+/// The errors file of a fit (docs/machine-file.md, a separate errors file): what was found, in um and urad
+/// over mm and deg, with [calibration], [uncertainty] and comments that say where it comes from. laws
+/// ReadsBack
+[[nodiscard]] std::string write_errors_file(const FitJob& job, const FitResult& result);
+
+}  // namespace abbe

@@ -1,0 +1,231 @@
+// Random programs with rotary axes on random five-axis machines of every structure, through the whole way.
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <random>
+#include <sstream>
+#include <string>
+
+#include "abbe/core/units.h"
+#include "abbe/machine/read_machine.h"
+#include "abbe/pipeline/compensate_program.h"
+#include "abbe/pipeline/diff_programs.h"
+
+namespace abbe {
+namespace {
+
+constexpr double kToolLength = 120;
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : rng_(seed) {}
+  double between(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(rng_); }
+  int below(int n) { return static_cast<int>(rng_() % static_cast<std::uint64_t>(n)); }
+  bool chance(double p) { return between(0, 1) < p; }
+
+ private:
+  std::mt19937_64 rng_;
+};
+
+struct Structure {
+  const char* chain;
+  char tilt, turn;  ///< the axis that tilts the tool against the work, and the other one
+};
+constexpr Structure kStructures[] = {{"w C A b Y X Z t", 'A', 'C'}, {"w C B b X Y Z t", 'B', 'C'}, {"w b X Y Z C B t", 'B', 'C'},
+                                     {"w b X Y Z C A t", 'A', 'C'}, {"w C b X Y Z B t", 'B', 'C'}, {"w C X b Y Z B t", 'B', 'C'},
+                                     {"w A b X Y Z B t", 'B', 'A'}};
+
+/// Errors of every axis as polynomials and sines; location errors of the rotary axes.
+std::string machine_text(Random& random, const Structure& structure, const std::string& control, double scale = 1) {
+  const std::string chain = structure.chain;
+  std::string text = fmt::format("format = 1\n[machine]\nname = \"five axes\"\nchain = \"{}\"\n", chain);
+  const std::size_t bed = chain.find('b');
+  std::string errors;
+  const auto size = [&](double s) { return scale * random.between(-s, s); };
+  for (const char axis : {'X', 'Y', 'Z', 'A', 'B', 'C'}) {
+    const std::size_t at = chain.find(axis);
+    if (at == std::string::npos) continue;
+    const bool rotary = axis <= 'C';
+    text += fmt::format("[axis.{}]\n", axis);
+    text += rotary ? fmt::format("direction = [{}, {}, {}]\norigin = [{:.2f}, {:.2f}, {:.2f}]\n", axis == 'A' ? 1 : 0, axis == 'B' ? 1 : 0,
+                                 axis == 'C' ? 1 : 0, random.between(-20, 20), random.between(-20, 20), random.between(-150, 150))
+                   : "range = [-1500, 1500]\n";
+    if (at < bed) text += "errors_seen = \"body\"\n";
+    for (const char direction : {'X', 'Y', 'Z', 'A', 'B', 'C'}) {
+      if (random.chance(0.3)) continue;
+      if (rotary) {
+        errors += fmt::format("E{}{} = {{ sine = [{:.4f}, {:.9f}, {:.4f}] }}\n", direction, axis, size(direction >= 'X' ? 6 : 15), deg,
+                              random.between(-3, 3));
+      } else {
+        errors += fmt::format("E{}{} = {{ poly = [0, {:.6f}, {:.9f}] }}\n", direction, axis, size(0.04), size(4e-5));
+      }
+    }
+  }
+  for (const char axis : {structure.tilt, structure.turn}) {
+    for (const char direction : {'X', 'Y', 'Z', 'A', 'B', 'C'}) {
+      if (direction == axis || direction == axis - 'A' + 'X') continue;
+      errors += fmt::format("E{}0{} = {:.3f}\n", direction, axis, size(30));
+    }
+  }
+  text += fmt::format("[tool]\norigin = [0, 0, 100]\nlength = {}\n", kToolLength);
+  return text + control + "[errors]\n" + errors;
+}
+
+/// A program that knows where its axes stand.
+class Writer {
+ public:
+  Writer(Random& random, const Structure& structure, bool near_singularity)
+      : random_(random), structure_(structure), tilt_low_(near_singularity ? -20 : 12) {}
+
+  std::string write(int blocks, bool inverse_time) {
+    text_ = fmt::format("G21 G90 G17 G54 G94\nT1 M6\nG43 H1\nG0 {}{} {}0 X0 Y0\nG0 Z60\nF800 S1000 M3\n", structure_.tilt, tilt_, structure_.turn);
+    for (int i = 0; i < blocks; ++i) block(inverse_time);
+    return text_ + "G0 Z80\nM5\nM30\n";
+  }
+
+ private:
+  std::string linear(double reach) {
+    std::string words;
+    for (int k = 0; k < 3; ++k) {
+      if (!random_.chance(0.75)) continue;
+      at_[k] = std::round(std::clamp(at_[k] + random_.between(-reach, reach), -150.0, 150.0) * 1e3) / 1e3;
+      words += fmt::format(" {}{:.3f}", "XYZ"[k], at_[k]);
+    }
+    return words;
+  }
+  std::string turning(double reach) {
+    std::string words;
+    if (random_.chance(0.7)) {
+      tilt_ = std::round(std::clamp(tilt_ + random_.between(-reach, reach), tilt_low_, 70.0) * 1e3) / 1e3;
+      words += fmt::format(" {}{:.3f}", structure_.tilt, tilt_);
+    }
+    if (random_.chance(0.7)) {
+      turn_ = std::round((turn_ + random_.between(-reach, reach)) * 1e3) / 1e3;
+      words += fmt::format(" {}{:.3f}", structure_.turn, turn_);
+    }
+    return words;
+  }
+  void block(bool inverse_time) {
+    const std::string g93 = inverse_time ? "G93 " : "", f = inverse_time ? fmt::format(" F{:.2f}", random_.between(1, 6)) : "";
+    const std::string after = inverse_time ? "\nG94 F800" : "";
+    switch (random_.below(8)) {
+      case 0: text_ += "G0" + moved(linear(60) + turning(40)); break;
+      case 1: text_ += "G1" + moved(linear(100)); break;
+      case 2: text_ += fmt::format("N{} G1 M8{} (turned)\n", random_.below(900), moved(turning(30), false)); break;
+      case 3:
+        at_.x() = std::round((at_.x() + 6) * 1e3) / 1e3;
+        text_ += fmt::format("G2 X{:.3f} I3 J0\n", at_.x());
+        break;
+      default: {
+        at_.x() = std::round((at_.x() + (at_.x() > 0 ? -30 : 30)) * 1e3) / 1e3;
+        text_ += fmt::format("{}G1 X{:.3f}{}{}{}\n", g93, at_.x(), turning(25), f, after);
+        break;
+      }
+    }
+  }
+  static std::string moved(const std::string& words, bool end = true) { return (words.empty() ? " Z60" : words) + (end ? "\n" : ""); }
+
+  Random& random_;
+  Structure structure_;
+  double tilt_low_, tilt_ = 25, turn_ = 0;
+  Vec3 at_ = Vec3(0, 0, 60);
+  std::string text_;
+};
+
+std::string findings(const ProgramOutcome& outcome) {
+  std::string all;
+  for (const auto& d : outcome.diagnostics) all += to_text(d) + "\n";
+  return all;
+}
+
+struct Case {
+  ProgramOutcome outcome;
+  std::string output;
+};
+
+ProgramJob job_of(const std::string& stem) {
+  ProgramJob job;
+  job.program = stem + ".ngc";
+  job.output = stem + ".out.ngc";
+  job.header = HeaderForm::none;
+  job.setup.work_offsets[0] = WorkOffset{{30, -20, 15}, 0, {}};
+  job.setup.tools[1] = ToolEntry{1, 1, {0, 0, kToolLength}, kToolLength, 10, ""};
+  return job;
+}
+
+std::string slurp(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+Plan plan_of(const std::string& text) {
+  const auto machine = read_machine({"machine.toml", text}, std::nullopt, {});
+  EXPECT_TRUE(machine.value) << text << (machine.diagnostics.empty() ? "" : to_text(machine.diagnostics.front()));
+  return std::get<Plan>(make_plan(*machine.value, {}));
+}
+
+Case run(const std::string& machine, const std::string& program, const std::string& judged_by = {}) {
+  const std::string stem = ::testing::TempDir() + "abbe_five_" + std::to_string(::getpid());
+  std::ofstream(stem + ".ngc", std::ios::binary) << program;
+  ProgramJob job = job_of(stem);
+  Case result{compensate_program(plan_of(machine), job), slurp(job.output)};
+  if (!judged_by.empty()) result.outcome = verify_programs(plan_of(judged_by), job, job.output);
+  ::unlink(job.program.c_str());
+  ::unlink(job.output.c_str());
+  return result;
+}
+
+std::string control_of(Random& random) {
+  return fmt::format("[control]\nmode = \"{}\"\n", random.chance(0.5) ? "axis" : "tcp");
+}
+
+TEST(FiveAxisPrograms, AreVerifiedOnMachinesOfEveryStructure) {
+  int done = 0;
+  for (std::uint64_t seed = 1; seed <= 210; ++seed) {
+    Random random(seed);
+    const Structure& structure = kStructures[seed % std::size(kStructures)];
+    const std::string machine = machine_text(random, structure, control_of(random));
+    const std::string program = Writer(random, structure, seed % 5 == 0).write(12, seed % 3 == 0);
+    const Case result = run(machine, program);
+    ASSERT_EQ(result.outcome.end, ProgramEnd::done)
+        << "seed " << seed << "\n" << findings(result.outcome) << machine << "\n----\n" << program << "\n----\n" << result.output;
+    EXPECT_LE(result.outcome.verify.after.max, result.outcome.verify.allowed) << "seed " << seed;
+    EXPECT_GT(result.outcome.verify.before.max, result.outcome.verify.after.max) << "seed " << seed;
+    ++done;
+  }
+  EXPECT_EQ(done, 210);
+}
+
+TEST(FiveAxisPrograms, AMachineWithoutErrorsChangesNoByte) {
+  for (std::uint64_t seed = 1; seed <= 28; ++seed) {
+    Random random(seed);
+    const Structure& structure = kStructures[seed % std::size(kStructures)];
+    const std::string machine = machine_text(random, structure, control_of(random), 0);
+    const std::string program = Writer(random, structure, seed % 2 == 0).write(20, seed % 3 == 0);
+    const Case result = run(machine, program);
+    ASSERT_EQ(result.outcome.end, ProgramEnd::done) << findings(result.outcome) << program;
+    EXPECT_EQ(result.output, program) << "seed " << seed;
+  }
+}
+
+// A correction with the wrong sign doubles the error: the verifier must not take it for a good one.
+TEST(FiveAxisPrograms, OppositeErrorsAreNotVerified) {
+  for (std::uint64_t seed = 1; seed <= 28; ++seed) {
+    const Structure& structure = kStructures[seed % std::size(kStructures)];
+    const std::string control = seed % 2 == 0 ? "[control]\nmode = \"tcp\"\n" : "[control]\nmode = \"axis\"\n";
+    Random random(seed), same(seed);
+    const std::string machine = machine_text(random, structure, control), opposite = machine_text(same, structure, control, -1);
+    const std::string program = Writer(random, structure, false).write(12, true);
+    EXPECT_EQ(run(machine, program, opposite).outcome.end, ProgramEnd::disagrees) << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace abbe

@@ -1,0 +1,54 @@
+#include "ballbar_source.h"
+
+#include <utility>
+
+#include "common.h"
+
+namespace abbe::app {
+
+void add_ballbar_options(CLI::App& verb, BallbarArguments& arguments) {
+  verb.add_option("--plane", arguments.plane,
+                  "plane, where the file does not say it: angles from the first axis")
+      ->type_name("XY");
+  verb.add_option("--radius", arguments.radius, "nominal radius, where the file does not say it")
+      ->check(CLI::PositiveNumber & finite_number())
+      ->type_name("MM");
+  verb.add_option("--feed", arguments.feed, "feed along the path, where the file does not say it")
+      ->check(CLI::PositiveNumber & finite_number())
+      ->type_name("MM/MIN");
+  verb.add_option("--direction", arguments.direction, "direction, where the file does not say it")
+      ->check(CLI::IsMember({"CCW", "CW"}));
+}
+
+std::optional<BallbarDefaults> ballbar_defaults(const BallbarArguments& arguments, Session& session) {
+  BallbarDefaults defaults;
+  defaults.radius = arguments.radius;
+  if (arguments.feed) defaults.feed = *arguments.feed / 60;
+  if (!arguments.direction.empty()) defaults.direction = arguments.direction == "CCW" ? +1 : -1;
+  if (arguments.plane.empty()) return defaults;
+  defaults.plane = read_plane(arguments.plane);
+  if (defaults.plane) return defaults;
+  session.report(option_error("--plane", "expected two different letters of X Y Z", "--plane XY"));
+  return std::nullopt;
+}
+
+std::optional<BallbarTest> load_ballbar(const std::string& file, const BallbarDefaults& defaults,
+                                        Session& session) {
+  const std::optional<std::string> text = read_input(file, session);
+  if (!text) return std::nullopt;
+  Parsed<BallbarTest> read = read_ballbar(file == "-" ? "<stdin>" : file, *text, defaults);
+  session.report(read.diagnostics);
+  return std::move(read.value);
+}
+
+std::optional<std::vector<BallbarTest>> load_ballbars(const BallbarArguments& arguments, Session& session) {
+  const std::optional<BallbarDefaults> defaults = ballbar_defaults(arguments, session);
+  if (!defaults) return std::nullopt;
+  std::vector<BallbarTest> tests;
+  for (const std::string& file : arguments.files)
+    if (auto test = load_ballbar(file, *defaults, session)) tests.push_back(std::move(*test));
+  if (tests.size() != arguments.files.size()) return std::nullopt;
+  return tests;
+}
+
+}  // namespace abbe::app

@@ -1,0 +1,11 @@
+#pragma once
+
+#include "verbs.h"
+
+namespace abbe::app {
+
+/// The subcommands of `simulate`, one per file.
+[[nodiscard]] Verb simulate_capture_verb(CLI::App& simulate, Session& session);
+[[nodiscard]] Verb simulate_measurements_verb(CLI::App& simulate, Session& session);
+
+}  // namespace abbe::app

@@ -1,0 +1,105 @@
+#include <fmt/core.h>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "abbe/chain/plan.h"
+#include "abbe/fit/observations.h"
+#include "abbe/machine/read_machine.h"
+#include "abbe/simulate/measurements.h"
+#include "common.h"
+#include "output_file.h"
+#include "simulate.h"
+
+namespace abbe::app {
+namespace {
+
+struct SimulateMeasurementsArguments {
+  std::string job, errors;
+  MeasurementPlan plan;
+  bool one_way = false, force = false;
+  double noise_um = 0.3, noise_arcsec = 0.5;
+  std::uint64_t seed = 1;
+};
+
+/// The job's machine with the hidden errors.
+std::optional<Machine> hidden_machine(const FitJob& job, const std::string& errors, Session& session) {
+  Parsed<Machine> machine = read_machine_file(job.machine.files.front(), errors);
+  session.report(machine.diagnostics);
+  return std::move(machine.value);
+}
+
+/// False after naming a file that is there already: it may be a real measurement.
+bool none_exists(const std::vector<SimulatedFile>& files, Session& session) {
+  for (const SimulatedFile& file : files) {
+    std::error_code error;
+    if (!std::filesystem::exists(file.path, error)) continue;
+    session.report(option_error("JOB", fmt::format("'{}' is there already", file.path),
+                                "--force overwrites it; a real measurement would be lost"));
+    return false;
+  }
+  return true;
+}
+
+void run_simulate_measurements(SimulateMeasurementsArguments arguments, Session& session) {
+  const std::optional<std::string> text = read_input(arguments.job, session);
+  if (!text) return;
+  arguments.plan.bidirectional = !arguments.one_way;
+  const Parsed<FitJob> job = plan_fit_job({arguments.job, *text}, fetch_file, arguments.plan);
+  session.report(job.diagnostics);
+  if (!job.value) return;
+  const Parsed<Observations> planned = observations_of(*job.value);
+  session.report(planned.diagnostics);
+  if (!planned.value) return;
+  const std::optional<Machine> hidden = hidden_machine(*job.value, arguments.errors, session);
+  if (!hidden) return;
+  if (!std::holds_alternative<Plan>(make_plan(*hidden, {}))) {
+    session.report(
+        option_error("--errors", "the errors need sensors", "instruments are read at one temperature"));
+    return;
+  }
+  SimulatedNoise noise;
+  noise.length = arguments.noise_um * um;
+  noise.angle = arguments.noise_arcsec * arcsec;
+  const auto files = simulate_measurements(*job.value, *planned.value, *hidden, noise, arguments.seed);
+  if (!arguments.force && !none_exists(files, session)) return;
+  std::vector<OutputText> outputs;
+  for (const SimulatedFile& file : files) outputs.push_back({file.path, file.text});
+  if (!publish_texts(outputs, session)) return;
+  session.out.write(fmt::format("{} files of measurements on {}\n", files.size(), hidden->name));
+}
+
+}  // namespace
+
+Verb simulate_measurements_verb(CLI::App& simulate, Session& session) {
+  CLI::App* command = simulate.add_subcommand(
+      "measurements", "writes the files that a job of `fit` names, measured on a machine with hidden errors");
+  auto arguments = std::make_shared<SimulateMeasurementsArguments>();
+  command->add_option("job", arguments->job, "job for `fit` (TOML)")->required()->type_name("JOB");
+  command->add_option("--errors", arguments->errors, "errors file of the hidden machine")
+      ->required()
+      ->type_name("FILE");
+  command
+      ->add_option("--targets", arguments->plan.targets, "targets of each run, evenly over the travel (11)")
+      ->check(CLI::Range(2, 10'000))
+      ->type_name("N");
+  command->add_option("--runs", arguments->plan.runs, "runs in each direction (5)")
+      ->check(CLI::Range(1, 1000))
+      ->type_name("N");
+  command->add_flag("--one-way", arguments->one_way, "increasing positions only");
+  command->add_option("--noise-um", arguments->noise_um, "of readings whose entry states no noise (0.3)")
+      ->check(CLI::NonNegativeNumber & finite_number())
+      ->type_name("UM");
+  command->add_option("--noise-arcsec", arguments->noise_arcsec, "of angles (0.5)")
+      ->check(CLI::NonNegativeNumber & finite_number())
+      ->type_name("ARCSEC");
+  command->add_option("--seed", arguments->seed, "of the random numbers (1)")->type_name("N");
+  command->add_flag("--force", arguments->force, "overwrites files that are there");
+  return {command, [arguments, &session] { run_simulate_measurements(*arguments, session); }};
+}
+
+}  // namespace abbe::app

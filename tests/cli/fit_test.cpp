@@ -1,0 +1,80 @@
+// `abbe simulate measurements` and `abbe fit`: the way from instruments to an errors file, and what is
+// refused.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "run_program.h"
+
+namespace abbe::cli {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+class Fit : public ::testing::Test {
+ protected:
+  Fit() {
+    folder_.put(
+        "mill.toml",
+        "format = 1\n[machine]\nname = \"mill\"\nchain = \"w X b Y Z t\"\n[axis.X]\nrange = [0, 500]\n"
+        "errors_seen = \"tool\"\n[axis.Y]\nrange = [0, 400]\n[axis.Z]\nrange = [-300, 0]\n");
+    folder_.put("hidden.toml", "format = 1\n[errors]\nEXX = { poly = [0, 0.02] }\nEC0Y = 25\n");
+  }
+  ProgramRun run(std::vector<std::string> arguments) { return run_abbe(arguments, {}, folder_.path()); }
+
+  Folder folder_;
+  std::string job_ = folder_.put("job.toml",
+                                 "format = 1\nmachine = \"mill.toml\"\n[[square]]\nname = \"s\"\nu = 0.2\n"
+                                 "[[run]]\nfile = \"exx.csv\"\nerror = \"EXX\"\n"
+                                 "[[run]]\nfile = \"eyx.csv\"\nerror = \"EYX\"\nsquare = \"s\"\n"
+                                 "[[run]]\nfile = \"exy.csv\"\nerror = \"EXY\"\nsquare = \"s\"\n");
+};
+
+TEST_F(Fit, HiddenErrorsAreFoundAndUsed) {
+  ASSERT_EQ(run({"simulate", "measurements", job_, "--errors", "hidden.toml"}).exit, 0);
+  const ProgramRun fit = run({"fit", job_, "-o", folder_ / "errors.toml", "--json"});
+  ASSERT_EQ(fit.exit, 0) << fit.err;
+  const json answer = json::parse(fit.out);
+  EXPECT_EQ(answer["verb"], "fit");
+  EXPECT_EQ(answer["rank"].get<std::size_t>() + answer["not_determined"].size(), answer["unknowns"].get<std::size_t>());
+  ASSERT_EQ(answer["locations"].size(), 1U);
+  EXPECT_EQ(answer["locations"][0]["name"], "EC0Y");
+  EXPECT_NEAR(answer["locations"][0]["value"], 25, 3);
+  const ProgramRun predict =
+      run({"predict", "mill.toml", "--errors", "errors.toml", "--at", "X=500,Y=400,Z=0", "--json"});
+  ASSERT_EQ(predict.exit, 0) << predict.err;
+  const json deviation = json::parse(predict.out)["points"][0]["deviation"]["position_mm"];
+  EXPECT_NEAR(deviation[0], 0, 1.5e-3);  // EXX adds 10 um, EC0Y takes 10 um
+}
+
+TEST_F(Fit, MeasurementsAreNotOverwritten) {
+  ASSERT_EQ(run({"simulate", "measurements", job_, "--errors", "hidden.toml"}).exit, 0);
+  EXPECT_EQ(run({"simulate", "measurements", job_, "--errors", "hidden.toml"}).exit, 2);
+  EXPECT_EQ(run({"simulate", "measurements", job_, "--errors", "hidden.toml", "--force"}).exit, 0);
+  EXPECT_EQ(run({"fit", job_, "-o", folder_ / "exx.csv"}).exit, 2);
+}
+
+TEST_F(Fit, WhatIsNotDeterminedIsSaid) {
+  ASSERT_EQ(run({"simulate", "measurements", job_, "--errors", "hidden.toml"}).exit, 0);
+  const std::string asked = folder_.put("asked.toml",
+                                        "format = 1\nmachine = \"mill.toml\"\nlocations = "
+                                        "[\"EA0Z\"]\n[[run]]\nfile = \"exx.csv\"\nerror = \"EXX\"\n");
+  const ProgramRun fit = run({"fit", asked, "--strict"});
+  EXPECT_EQ(fit.exit, 4);
+  EXPECT_THAT(fit.err, HasSubstr("W-FIT-RANK"));
+  EXPECT_THAT(fit.err, HasSubstr("EA0Z"));
+}
+
+TEST_F(Fit, MissingFilesAreNamed) {
+  const ProgramRun fit = run({"fit", job_});
+  EXPECT_EQ(fit.exit, 2);
+  EXPECT_THAT(fit.err, HasSubstr("exx.csv"));
+  EXPECT_EQ(run({"fit", "none.toml"}).exit, 2);
+}
+
+}  // namespace
+}  // namespace abbe::cli
