@@ -13,7 +13,7 @@ namespace abbe::app {
 
 /// inverse --emit gcode: what it takes besides the options of inverse, as typed.
 struct GcodeArguments {
-  std::string emit, profile = "linuxcnc", output;
+  std::string emit, profile = "linuxcnc", output, units;
   std::vector<std::string> offsets, gauges;
   std::string tools, units, datum = "probed";
   std::optional<double> feed;
