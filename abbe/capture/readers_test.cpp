@@ -184,6 +184,29 @@ TEST(ReadEni, FourDrivesOfARealMachine) {
   EXPECT_EQ(std::get<DecodeReport>(decoded).rows, 3U);
 }
 
+// A real servo drive asked for its objects by another master: 1600 = {6040}, 1601 = {6040, 6060}, 1602 =
+// {6040, 607A}, 1603 = {6040, 60FF}; 1A00 = {6041}, 1A01 = {6041, 6061}, 1A02 = {6041, 6064}, 1A03 = {6041,
+// 606C}.
+TEST(Learn, RealDriveTellsItsMap) {
+  const std::string path = ABBE_SOURCE_DIR "/../shared/data/ethercat/soem-sdinfo-akd-servo.pcapng";
+  const auto surveyed = survey_capture(path);
+  const auto* survey = std::get_if<CaptureSurvey>(&surveyed);
+  if (survey == nullptr) GTEST_SKIP() << "no ../shared/data/ethercat";
+  Diagnostics findings;
+  const ProcessMap map = named(map_of(survey->slaves, findings), {{"X", 4097, 1, "mm"}});
+  std::vector<std::pair<std::uint16_t, std::uint16_t>> entries;
+  for (const PdoObject& o : map.objects) entries.emplace_back(o.pdo, o.index);
+  using E = std::pair<std::uint16_t, std::uint16_t>;
+  EXPECT_THAT(entries,
+              testing::ElementsAre(E{0x1600, 0x6040}, E{0x1601, 0x6040}, E{0x1601, 0x6060}, E{0x1602, 0x6040},
+                                   E{0x1602, 0x607A}, E{0x1603, 0x6040}, E{0x1603, 0x60FF}, E{0x1A00, 0x6041},
+                                   E{0x1A01, 0x6041}, E{0x1A01, 0x6061}, E{0x1A02, 0x6041}, E{0x1A02, 0x6064},
+                                   E{0x1A03, 0x6041}, E{0x1A03, 0x606C}));
+  EXPECT_EQ(map.objects[11].name, "X.position_actual");
+  EXPECT_EQ(map.objects[11].bit, 0x18U * 8);
+  EXPECT_EQ(survey->states.at(4097), 2);
+}
+
 /// Changes a few bytes, cuts, doubles a piece.
 template <class Text>
 Text mutated(Text text, std::mt19937& random) {
