@@ -15,7 +15,7 @@ namespace abbe::app {
 struct GcodeArguments {
   std::string emit, profile = "linuxcnc", output, units;
   std::vector<std::string> offsets, gauges;
-  std::string tools, units, datum = "probed";
+  std::string tools, datum = "probed";
   std::optional<double> feed;
   double tolerance_um = 1, max_correction_um = 500;
   ClArguments cl;
