@@ -113,9 +113,9 @@ void Rewriter::write_header(std::string& out) {
 // A program number may begin with ':' instead of O: it is read as one, and copied as it stands.
 std::optional<BlockError> Rewriter::read_line(std::string_view bytes) {
   const bool numbered_skip = profile_.text.skip == Profile::Skip::numbered;
+  if (!profile_.text.colon || any_block_) return read_block(bytes, block_, numbered_skip);
   const std::size_t first = bytes.find_first_not_of(" \t");
-  const bool colon = profile_.text.colon && !any_block_ && first != std::string_view::npos && bytes[first] == ':';
-  if (!colon) return read_block(bytes, block_, numbered_skip);
+  if (first == std::string_view::npos || bytes[first] != ':') return read_block(bytes, block_, numbered_skip);
   std::string spelled(bytes);
   spelled[first] = 'O';
   auto error = read_block(spelled, block_, numbered_skip);
@@ -148,7 +148,8 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
                   "this program has been compensated already", "compensating twice doubles the correction",
                   "use the original program");
   }
-  if (!read_text_rules()) return;
+  const bool plain_text = block_.text.size() <= profile_.text.block_bytes && !block_.has_semicolon && !block_.percent && !block_.slash;
+  if (!plain_text && !read_text_rules()) return;
   if (block_.percent) {
     if (!percent_seen_ && !any_block_) {
       percent_first_ = percent_seen_ = true;
@@ -196,7 +197,8 @@ void Rewriter::execute(std::string& out) {
     const bool moves = instruction_.motion >= 0 && instruction_.motion != 800 &&
                        (instruction_.moves_axes || is_arc(instruction_.motion) || (is_cycle(instruction_.motion)));
     if (moves) {
-      if (!may_move()) return;
+      const bool sure = modal_.stated && !offset_doubtful_ && instruction_.zero != 530 && !instruction_.tool_change;
+      if (!sure && !may_move()) return;
       ++report_.blocks.motion;
       motion(out);
     } else {
@@ -206,7 +208,8 @@ void Rewriter::execute(std::string& out) {
       if (edit_.changed()) ++report_.blocks.rewritten;
     }
   }
-  if (!smoothing_said_ && smooths_more_than_tolerance()) {
+  const bool smooths = instruction_.smooths || instruction_.path_control;
+  if (smooths && !smoothing_said_ && smooths_more_than_tolerance()) {
     smoothing_said_ = true;
     warn("W-SMOOTH", "the control's own smoothing is switched here: it is not modelled", "it may move the tool within its tolerance, after the correction",
          "set that tolerance well below the one of the compensation");
