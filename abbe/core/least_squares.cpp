@@ -1,15 +1,65 @@
 #include "abbe/core/least_squares.h"
 
-#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstddef>
 
 namespace abbe {
 
+namespace {
+
+// One build per instruction set, chosen when the program is loaded. The sanitizers do not go with it.
+#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
+#define ABBE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
+#else
+#define ABBE_CLONES
+#endif
+
+constexpr std::size_t kLanes = 8, kRows = static_cast<std::size_t>(TriangularFactor::kBlock);
+static_assert(kRows % kLanes == 0);
+
+/// Householder: folds kRows rows (columns one after the other) into the triangle r, both m1 columns. Under
+/// the diagonal the triangle is zero, so each reflection touches one row of it:
+///
+///     v = (1, b_k / v0),  v0 = alpha - beta,  beta = -sign(alpha) |(alpha, b_k)|,  tau = -v0 / beta
+///     t = tau (r_kj + b_k . b_j / v0),   r_kj -= t,   b_j -= (t / v0) b_k
+///
+/// r is stored by columns with m1 rows. Sums run in kLanes lanes, so every instruction set adds in one order.
+ABBE_CLONES void fold_block(double* r, double* block, std::size_t m1) {
+  for (std::size_t k = 0; k < m1; ++k) {
+    const double* const bk = block + k * kRows;
+    double square[kLanes] = {};
+    for (std::size_t i = 0; i < kRows; i += kLanes)
+      for (std::size_t l = 0; l < kLanes; ++l) square[l] += bk[i + l] * bk[i + l];
+    double sum = 0;
+    for (const double s : square) sum += s;
+    if (sum == 0) continue;
+    const double alpha = r[k * m1 + k];
+    const double beta = std::sqrt(alpha * alpha + sum) * (alpha > 0 ? -1 : 1);
+    const double v0 = alpha - beta, tau = -v0 / beta;
+    r[k * m1 + k] = beta;
+    for (std::size_t j = k + 1; j < m1; ++j) {
+      double* const bj = block + j * kRows;
+      double product[kLanes] = {};
+      for (std::size_t i = 0; i < kRows; i += kLanes)
+        for (std::size_t l = 0; l < kLanes; ++l) product[l] += bk[i + l] * bj[i + l];
+      double dot = 0;
+      for (const double p : product) dot += p;
+      const double t = tau * (r[j * m1 + k] + dot / v0), step = t / v0;
+      r[j * m1 + k] -= t;
+      for (std::size_t i = 0; i < kRows; ++i) bj[i] -= step * bk[i];
+    }
+  }
+}
+
+}  // namespace
+
 TriangularFactor::TriangularFactor(Eigen::Index unknowns)
-    : m_(unknowns), used_(unknowns + 1), work_(Eigen::MatrixXd::Zero(unknowns + 1 + kBlock, unknowns + 1)) {}
+    : m_(unknowns),
+      factor_(Eigen::MatrixXd::Zero(unknowns + 1, unknowns + 1)),
+      block_(Eigen::MatrixXd::Zero(kBlock, unknowns + 1)) {}
 
 void TriangularFactor::add(std::span<const double> row, double value) {
   assert(static_cast<Eigen::Index>(row.size()) == m_);
@@ -19,30 +69,28 @@ void TriangularFactor::add(std::span<const double> row, double value) {
     finite_ = false;
     return;
   }
-  if (used_ == work_.rows()) fold();
-  work_.row(used_).head(m_) = Eigen::Map<const Eigen::RowVectorXd>(row.data(), m_);
-  work_(used_, m_) = value;
-  ++used_;
+  block_.row(used_).head(m_) = Eigen::Map<const Eigen::RowVectorXd>(row.data(), m_);
+  block_(used_, m_) = value;
   ++rows_;
+  if (++used_ == kBlock) fold();
 }
 
 void TriangularFactor::add(const Eigen::Ref<const Eigen::MatrixXd>& rows,
                            const Eigen::Ref<const Eigen::VectorXd>& values) {
   assert(rows.cols() == m_ && rows.rows() == values.size());
-  Eigen::Index done = 0;
-  while (done < rows.rows()) {
-    if (used_ == work_.rows()) fold();
-    const Eigen::Index k = std::min(rows.rows() - done, work_.rows() - used_);
-    work_.block(used_, 0, k, m_) = rows.middleRows(done, k);
-    work_.col(m_).segment(used_, k) = values.segment(done, k);
+  for (Eigen::Index done = 0; done < rows.rows();) {
+    const Eigen::Index k = std::min(rows.rows() - done, kBlock - used_);
+    block_.block(used_, 0, k, m_) = rows.middleRows(done, k);
+    block_.col(m_).segment(used_, k) = values.segment(done, k);
     // 0 x is 0 for every finite x and for no other.
-    if (!((work_.middleRows(used_, k) * 0.0).array() == 0.0).all()) {
+    if (!((block_.middleRows(used_, k) * 0.0).array() == 0.0).all()) {
       finite_ = false;
-      work_.middleRows(used_, k).setZero();
+      block_.middleRows(used_, k).setZero();
     }
     used_ += k;
     rows_ += k;
     done += k;
+    if (used_ == kBlock) fold();
   }
 }
 
@@ -56,16 +104,17 @@ void TriangularFactor::add(const TriangularFactor& other) {
 }
 
 void TriangularFactor::fold() {
-  Eigen::Ref<Eigen::MatrixXd> used = work_.topRows(used_);
-  const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(used);  // in place
-  work_.topRows(m_ + 1).triangularView<Eigen::StrictlyLower>().setZero();
-  used_ = m_ + 1;
+  if (used_ == 0) return;
+  fold_block(factor_.data(), block_.data(), static_cast<std::size_t>(m_) + 1);
+  block_.setZero();
+  used_ = 0;
 }
 
 Eigen::MatrixXd TriangularFactor::factor() const {
+  if (used_ == 0) return factor_;
   TriangularFactor folded = *this;
   folded.fold();
-  return folded.work_.topRows(m_ + 1);
+  return folded.factor_;
 }
 
 namespace {

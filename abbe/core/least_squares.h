@@ -13,7 +13,9 @@ namespace abbe {
 /// shapes   m unknowns; weighted rows: divide row and value by the standard uncertainty of the value
 /// errors   a row that is not finite is not added and is_finite() turns false
 /// laws     FactorOfBlocksEqualsFactorOfTheWhole, FactorKeepsTheGramMatrix
-/// cost     2 (m + 1)^2 operations per row, one block of kBlock rows of memory
+/// cost     2 (m + 1)^2 operations per row in vectors of the processor (docs/performance.md); one block of
+/// kBlock
+///          rows of memory
 /// source   Demmel, Grigori, Hoemmen, Langou: Communication-optimal QR (2012), section 2
 class TriangularFactor {
  public:
@@ -38,9 +40,10 @@ class TriangularFactor {
 
   Eigen::Index m_;
   Eigen::Index rows_ = 0;
-  Eigen::Index used_ = 0;  ///< rows of work_ that hold numbers; the first m + 1 are the factor so far
+  Eigen::Index used_ = 0;  ///< rows of block_ that wait to be folded; the others are 0
   bool finite_ = true;
-  Eigen::MatrixXd work_;  ///< (m + 1 + kBlock) x (m + 1)
+  Eigen::MatrixXd factor_;  ///< (m + 1) x (m + 1), upper triangular
+  Eigen::MatrixXd block_;   ///< kBlock x (m + 1)
 };
 
 struct LeastSquaresOptions {

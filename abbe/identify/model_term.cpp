@@ -58,7 +58,7 @@ class Chooser {
     const Body& body = machine_.axis(axis);
     ModelTerm term{form, {error_class, direction, body.name}, axis, power, {}};
     if (form == ModelTerm::Form::power && direction < 3 && power > 1 && direction != direction_of(body))
-      term.line = nearest_line(power, travel_[static_cast<std::size_t>(axis)]);
+      term.line = trend_line(power, travel_[static_cast<std::size_t>(axis)]);
     if (carries(body, term.name)) terms_.push_back(term);
   }
 
@@ -113,18 +113,18 @@ std::vector<ModelTerm> choose_terms(const Machine& machine, const std::vector<in
   return chooser.take();
 }
 
-std::array<double, 2> nearest_line(int power, const Travel& travel) {
-  // q = m + L x, x in [-1, 1]:  line = mean(q^n) + 3 mean(q^n x) x
+std::array<double, 2> trend_line(int power, const Travel& travel) {
+  // q = m + L x, x in [-1, 1]: the trend is 3 mean(q^n x) per x
   const double m = (travel[0] + travel[1]) / 2, L = (travel[1] - travel[0]) / 2;
   if (!(L > 0)) return {0, 0};
-  double mean = 0, moment = 0, choose = 1;
+  double moment = 0, choose = 1;
   for (int k = 0; k <= power; ++k) {
-    const double c = choose * std::pow(m, power - k) * std::pow(L, k);  // of x^k
-    (k % 2 == 0 ? mean : moment) += c / (k % 2 == 0 ? k + 1 : k + 2);
+    // The mean of x^(k + 1) is 1 / (k + 2) for odd k, else 0.
+    if (k % 2 == 1) moment += choose * std::pow(m, power - k) * std::pow(L, k) / (k + 2);
     choose = choose * (power - k) / (k + 1);
   }
   const double slope = 3 * moment / L;
-  return {mean - slope * m, slope};
+  return {std::pow(m, power) - slope * m, slope};
 }
 
 }  // namespace abbe

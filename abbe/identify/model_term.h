@@ -17,8 +17,9 @@ struct AxisState {
 /// One unknown of an identification: a coefficient of one error of the machine.
 ///
 ///   constant      c                 of location errors (squareness)
-///   power         c (q^n - line)    static, of the axis' own position; of a straightness the line nearest to q^n
-///                                   over the tested travel is taken off, which the squareness contains
+///   power         c (q^n - line)    static, of the axis' own position; of a straightness a line is taken off: the
+///                                   trend over the tested travel, which the squareness contains, through
+///                                   the middle of the travel, where the error is zero
 ///   lost_motion   -c/2 for increasing, +c/2 for decreasing approach of the axis: c > 0 falls behind
 ///   velocity      c v               dynamic
 ///   acceleration  c a               dynamic
@@ -60,7 +61,8 @@ using Travel = std::array<double, 2>;
 [[nodiscard]] std::vector<ModelTerm> choose_terms(const Machine& machine, const std::vector<int>& moving,
                                                   const std::vector<Travel>& travel, const TermChoice& choice);
 
-/// Offset and slope of the line nearest to q^power (least squares, every q of the travel counts alike).
-[[nodiscard]] std::array<double, 2> nearest_line(int power, const Travel& travel);
+/// Offset and slope of the line with the trend of q^power (least squares, every q of the travel counts alike)
+/// that meets it in the middle of the travel.
+[[nodiscard]] std::array<double, 2> trend_line(int power, const Travel& travel);
 
 }  // namespace abbe
