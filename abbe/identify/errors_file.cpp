@@ -39,7 +39,9 @@ std::string in_quotes_of_toml(const std::string& text) {
 std::string head_of(const ErrorsFileHead& head) {
   std::string out;
   for (const std::string& remark : head.remarks) out += "# " + one_line(remark) + '\n';
-  out += "format = 1\n[units]\nlength = \"mm\"\nangle = \"deg\"\nerror_length = \"um\"\nerror_angle = \"urad\"\n";
+  out +=
+      "format = 1\n[units]\nlength = \"mm\"\nangle = \"deg\"\nerror_length = \"um\"\nerror_angle = "
+      "\"urad\"\n";
   const Calibration& c = head.calibration;
   std::string calibration;
   if (!c.date.empty()) calibration += fmt::format("date = {}\n", c.date);
@@ -85,7 +87,8 @@ using Group = std::vector<std::size_t>;
 std::vector<Group> groups_of(const Identification& id) {
   std::vector<Group> groups;
   for (std::size_t k = 0; k < id.terms.size(); ++k) {
-    if (id.terms[k].origin == Origin::assumed || (id.terms[k].value == 0 && id.terms[k].uncertainty == 0)) continue;
+    if (id.terms[k].origin == Origin::assumed || (id.terms[k].value == 0 && id.terms[k].uncertainty == 0))
+      continue;
     const auto same = std::find_if(groups.begin(), groups.end(), [&](const Group& g) {
       return id.terms[g.front()].term.name == id.terms[k].term.name;
     });
@@ -115,25 +118,32 @@ std::string polynomial_of(const Identification& id, const Group& group, double u
   return fmt::format("{{ poly = [{}], domain = [{}, {}] }}", list, number(covered.lo), number(covered.hi));
 }
 
-std::string value_of(const Machine& machine, const Identification& id, const Group& group, const Covered& covered) {
+std::string value_of(const Machine& machine, const Identification& id, const Group& group,
+                     const Covered& covered) {
   const double unit = unit_of(id.terms[group.front()].term.name);
   std::vector<std::string> parts;
-  if (std::string poly = polynomial_of(id, group, unit, covered); !poly.empty()) parts.push_back(std::move(poly));
+  if (std::string poly = polynomial_of(id, group, unit, covered); !poly.empty())
+    parts.push_back(std::move(poly));
   for (const std::size_t k : group) {
     const ModelTerm& term = id.terms[k].term;
     const double c = id.terms[k].value / unit;
     const std::string axis = machine.axis(term.axis).name;
     switch (term.form) {
-      case Form::constant: parts.push_back(number(c)); break;
-      case Form::lost_motion:
-        parts.push_back(fmt::format("{{ forward = {{ poly = [{}] }}, backward = {{ poly = [{}] }} }}", number(-c / 2),
-                                    number(c / 2)));
+      case Form::constant:
+        parts.push_back(number(c));
         break;
-      case Form::velocity: parts.push_back(fmt::format("{{ poly = [0, {}], of = \"v.{}\" }}", number(c), axis)); break;
+      case Form::lost_motion:
+        parts.push_back(fmt::format("{{ forward = {{ poly = [{}] }}, backward = {{ poly = [{}] }} }}",
+                                    number(-c / 2), number(c / 2)));
+        break;
+      case Form::velocity:
+        parts.push_back(fmt::format("{{ poly = [0, {}], of = \"v.{}\" }}", number(c), axis));
+        break;
       case Form::acceleration:
         parts.push_back(fmt::format("{{ poly = [0, {}], of = \"a.{}\" }}", number(c), axis));
         break;
-      case Form::power: break;
+      case Form::power:
+        break;
     }
   }
   if (parts.size() == 1) return parts.front();
@@ -157,11 +167,16 @@ double uncertainty_of(const Identification& id, const Group& group, const Covere
     const double part = static_cast<double>(step) / kSteps;
     const auto factor = [&](const ModelTerm& term) {
       switch (term.form) {
-        case Form::power: return basis(term, at_position(term.axis, covered.lo + part * (covered.hi - covered.lo)));
-        case Form::lost_motion: return 0.5;
-        case Form::velocity: return covered.speed;
-        case Form::acceleration: return covered.acceleration;
-        case Form::constant: break;
+        case Form::power:
+          return basis(term, at_position(term.axis, covered.lo + part * (covered.hi - covered.lo)));
+        case Form::lost_motion:
+          return 0.5;
+        case Form::velocity:
+          return covered.speed;
+        case Form::acceleration:
+          return covered.acceleration;
+        case Form::constant:
+          break;
       }
       return 1.0;
     };
@@ -181,7 +196,9 @@ std::string remark_of(const Identification& id, const Group& group) {
     artefact = artefact || id.terms[k].origin == Origin::artefact;
     given = given || !id.terms[k].identifiable;
   }
-  return artefact ? "  # artefact: a share of a sum, see above" : given ? "  # given the assumptions above" : "";
+  return artefact ? "  # artefact: a share of a sum, see above"
+         : given  ? "  # given the assumptions above"
+                  : "";
 }
 
 const Covered& of_axis(const Identification& id, const Group& group, const std::vector<Covered>& covered) {
@@ -199,9 +216,11 @@ std::string error_of(const PaperCoefficient& c) {
 std::string errors_file_of(const Machine& machine, const Identification& identification,
                            const std::vector<BallbarTest>& tests, const ErrorsFileHead& head) {
   ErrorsFileHead full = head;
-  if (!identification.trusted) full.remarks.push_back("DOUBTFUL: the residuals do not look like the stated noise:");
+  if (!identification.trusted)
+    full.remarks.push_back("DOUBTFUL: the residuals do not look like the stated noise:");
   for (const std::string& doubt : identification.doubts) full.remarks.push_back("  " + doubt);
-  if (!identification.assumptions.empty()) full.remarks.push_back("Not seen by these tests and taken for zero:");
+  if (!identification.assumptions.empty())
+    full.remarks.push_back("Not seen by these tests and taken for zero:");
   for (const std::string& zero : identification.assumptions) full.remarks.push_back("  " + zero);
   for (const UnseenCombination& c : identification.unseen)
     if (c.parts.size() > 1) full.remarks.push_back("seen only together: " + c.words);
@@ -216,8 +235,9 @@ std::string errors_file_of(const Machine& machine, const Identification& identif
                        remark_of(identification, group));
   out += "[uncertainty]\n";
   for (const Group& group : groups)
-    out += fmt::format("{} = {}\n", to_string(identification.terms[group.front()].term.name),
-                       number(uncertainty_of(identification, group, of_axis(identification, group, covered))));
+    out +=
+        fmt::format("{} = {}\n", to_string(identification.terms[group.front()].term.name),
+                    number(uncertainty_of(identification, group, of_axis(identification, group, covered))));
   return out;
 }
 
@@ -239,14 +259,16 @@ std::string errors_file_of(const PaperResult& result, const std::vector<PaperTes
       value = fmt::format("[ {}, {} ]", sine(a, tests[t].velocity[k]), sine(b, tests[t].acceleration[k]));
     } else {
       // The displacement counts from the start point of the test.
-      const double start = circles[t].centre[a.axis] + (a.axis == tests[t].plane.first ? tests[t].radius : 0.0);
-      value = fmt::format("{{ poly = [{}{}, {}], reference = {} }}", a.order == 0 ? "" : "0, ", number(a.value / unit),
-                          number(b.value / unit), number(start));
+      const double start =
+          circles[t].centre[a.axis] + (a.axis == tests[t].plane.first ? tests[t].radius : 0.0);
+      value = fmt::format("{{ poly = [{}{}, {}], reference = {} }}", a.order == 0 ? "" : "0, ",
+                          number(a.value / unit), number(b.value / unit), number(start));
     }
     using PaperOrigin = PaperCoefficient::Origin;
     const char* remark = a.origin == PaperOrigin::assumed ? "  # assumed"
-                         : a.origin == PaperOrigin::artefact || b.origin == PaperOrigin::artefact ? "  # artefact"
-                                                                                                  : "";
+                         : a.origin == PaperOrigin::artefact || b.origin == PaperOrigin::artefact
+                             ? "  # artefact"
+                             : "";
     out += fmt::format("{} = {}{}\n", error_of(a), value, remark);
   }
   return out;

@@ -25,8 +25,8 @@ struct ErrorsFileHead {
                                          const std::vector<BallbarTest>& tests, const ErrorsFileHead& head);
 
 /// The published identification: static polynomials of the displacement from the start point of the test they
-/// come from, sines of time with scope = "test". The deviation holds for a machine of the chain w b X Y Z t whose
-/// tool point is at the workpiece ball's centre plus the radius along X at the start.
+/// come from, sines of time with scope = "test". The deviation holds for a machine of the chain w b X Y Z t
+/// whose tool point is at the workpiece ball's centre plus the radius along X at the start.
 [[nodiscard]] std::string errors_file_of(const PaperResult& result, const std::vector<PaperTest>& tests,
                                          const std::vector<BallbarTest>& circles, const ErrorsFileHead& head);
 

@@ -86,7 +86,8 @@ void take_solution(Identification& out, const JointDesign& design, const LeastSq
   for (const std::size_t zero : used.zeros) out.assumptions.push_back(out.names[zero]);
   for (std::size_t k = 0; k < design.terms().size(); ++k) {
     const auto i = static_cast<Eigen::Index>(k);
-    IdentifiedTerm term{design.terms()[k], used.solution.x[i], 0, full.determined[i] >= kIdentifiable, Origin::measured};
+    IdentifiedTerm term{design.terms()[k], used.solution.x[i], 0, full.determined[i] >= kIdentifiable,
+                        Origin::measured};
     if (std::find(used.zeros.begin(), used.zeros.end(), k) != used.zeros.end()) {
       term.origin = Origin::assumed;
     } else if (used.solution.determined[i] < kIdentifiable) {
@@ -96,10 +97,11 @@ void take_solution(Identification& out, const JointDesign& design, const LeastSq
   }
 }
 
-ZeroedSolution used_solution(const JointDesign& design, const TriangularFactor& factor, const LeastSquaresSolution& full,
-                             const IdentifyOptions& options) {
+ZeroedSolution used_solution(const JointDesign& design, const TriangularFactor& factor,
+                             const LeastSquaresSolution& full, const IdentifyOptions& options) {
   if (!options.assume_zero) return {full, {}};
-  return solve_with_zeros(factor, {options.rank_tolerance, true}, design.names(), design.terms(), design.first_bar());
+  return solve_with_zeros(factor, {options.rank_tolerance, true}, design.names(), design.terms(),
+                          design.first_bar());
 }
 
 void take_uncertainties(Identification& out) {
@@ -181,7 +183,8 @@ Identification identify_jointly(const Machine& machine, const std::vector<Ballba
                                 const IdentifyOptions& options) {
   const std::vector<int> moving = moving_axes(machine, tests);
   if (moving.empty()) return failed(Status::no_axes);
-  const JointDesign design(machine, tests, choose_terms(machine, moving, travel_of_tests(machine, tests), options.terms));
+  const JointDesign design(machine, tests,
+                           choose_terms(machine, moving, travel_of_tests(machine, tests), options.terms));
   const Factored factored = factor_of(design, options, true);
   const LeastSquaresSolution fit = solve(factored.factor, {options.rank_tolerance, true});
   if (fit.status == LeastSquaresSolution::Status::not_finite) return failed(Status::not_finite);
@@ -207,7 +210,8 @@ Identification identifiability(const Machine& machine, const std::vector<Ballbar
                                const IdentifyOptions& options) {
   const std::vector<int> moving = moving_axes(machine, plan);
   if (moving.empty()) return failed(Status::no_axes);
-  const JointDesign design(machine, plan, choose_terms(machine, moving, travel_of_tests(machine, plan), options.terms));
+  const JointDesign design(machine, plan,
+                           choose_terms(machine, moving, travel_of_tests(machine, plan), options.terms));
   const Factored factored = factor_of(design, options, false);
   const LeastSquaresSolution fit = solve(factored.factor, {options.rank_tolerance, true});
   if (!fit.ok()) return failed(Status::not_finite);

@@ -82,7 +82,9 @@ void JointDesign::row(std::size_t test, std::size_t run, std::size_t i, double s
 double JointDesign::servo_part(std::size_t test, std::size_t run, std::size_t i) const {
   const BallbarRun& record = (*tests_)[test].runs[run];
   if (record.actual.empty() || record.commanded.empty()) return 0;
-  return radial_direction((*tests_)[test].plane, record.angle[i]).dot(record.actual[i] - record.commanded[i]);
+  // Exact: with a lag along the path of tenths of a mm the first order is not enough.
+  const Vec3& centre = (*tests_)[test].centre;
+  return (record.actual[i] - centre).norm() - (record.commanded[i] - centre).norm();
 }
 
 std::vector<int> moving_axes(const Machine& machine, const std::vector<BallbarTest>& tests) {
@@ -109,7 +111,8 @@ std::vector<Travel> travel_of_tests(const Machine& machine, const std::vector<Ba
       if (axes[static_cast<std::size_t>(k)] < 0) continue;
       const auto axis = static_cast<std::size_t>(axes[static_cast<std::size_t>(k)]);
       const Travel here = {test.centre[k] - test.radius, test.centre[k] + test.radius};
-      travel[axis] = seen[axis] ? Travel{std::min(travel[axis][0], here[0]), std::max(travel[axis][1], here[1])} : here;
+      travel[axis] =
+          seen[axis] ? Travel{std::min(travel[axis][0], here[0]), std::max(travel[axis][1], here[1])} : here;
       seen[axis] = true;
     }
   }

@@ -32,7 +32,7 @@ class JointDesign {
 
   /// Factors of all unknowns at sample i of a run, `shift` seconds later. row: unknowns()
   void row(std::size_t test, std::size_t run, std::size_t i, double shift, std::span<double> row) const;
-  /// u . (actual - commanded) where both were recorded, else 0: what the servo itself sees.
+  /// |actual - centre| - |commanded - centre| where both were recorded, else 0: what the servo itself sees.
   [[nodiscard]] double servo_part(std::size_t test, std::size_t run, std::size_t i) const;
 
   [[nodiscard]] const CircleMotion& motion(std::size_t test, std::size_t run) const {
@@ -57,7 +57,9 @@ class JointDesign {
 /// test is missing or is no linear axis.
 [[nodiscard]] std::vector<int> moving_axes(const Machine& machine, const std::vector<BallbarTest>& tests);
 
-/// What the nominal circles of the tests cover of every moving axis of the machine; {0, 0} where nothing moves.
-[[nodiscard]] std::vector<Travel> travel_of_tests(const Machine& machine, const std::vector<BallbarTest>& tests);
+/// What the nominal circles of the tests cover of every moving axis of the machine; {0, 0} where nothing
+/// moves.
+[[nodiscard]] std::vector<Travel> travel_of_tests(const Machine& machine,
+                                                  const std::vector<BallbarTest>& tests);
 
 }  // namespace abbe

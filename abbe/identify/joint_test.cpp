@@ -76,7 +76,8 @@ TEST(ErrorEffects, EffectEqualsPredictionOfAUnitError) {
     const Machine machine = machine_of(text);
     TermChoice choice;
     choice.cross = true;
-    const std::vector<ModelTerm> terms = choose_terms(machine, {0, 1, 2}, std::vector<Travel>(3, Travel{-150, 100}), choice);
+    const std::vector<ModelTerm> terms =
+        choose_terms(machine, {0, 1, 2}, std::vector<Travel>(3, Travel{-150, 100}), choice);
     const ErrorEffects effects(machine, terms);
     AxisState state;
     state.q = {37, -81, 55};
@@ -105,7 +106,8 @@ TEST(ModelTerm, TrendLineLeavesNoTrend) {
     double moment = 0, size = 0;
     constexpr int kSteps = 20000;
     for (int i = 0; i < kSteps; ++i) {
-      const double q = -40 + 200 * (i + 0.5) / kSteps, r = (std::pow(q, power) - offset - slope * q) * (q - 60);
+      const double q = -40 + 200 * (i + 0.5) / kSteps,
+                   r = (std::pow(q, power) - offset - slope * q) * (q - 60);
       moment += r;
       size += std::abs(r);
     }
@@ -123,11 +125,16 @@ TEST(Joint, ReturnsWhatWasPutIn) {
   std::erase_if(without.errors, [](const ErrorTerm& e) { return to_string(e.name) == "ECX"; });
   const Identification found = identify_jointly(without, measure(without, full_plan()), options);
   ASSERT_TRUE(found.ok());
-  const std::map<std::string, double> wanted = {{"EXX X^2", -1e-4 * um},     {"EXX X^3", 3e-7 * um},
-                                                {"EYY Y^2", 5e-5 * um},      {"EYX X^2", 2e-4 * um},
-                                                {"EXY Y^3", 2e-7 * um},      {"EC0Y", (-18 - 2e-7 * 0.6 * 150 * 150 * 1e3) * urad},  // the slope of EXY is part of it
-     
-                                                {"EXX lost motion", 3 * um}, {"EYY lost motion", 2 * um}};
+  const std::map<std::string, double> wanted = {
+      {"EXX X^2", -1e-4 * um},
+      {"EXX X^3", 3e-7 * um},
+      {"EYY Y^2", 5e-5 * um},
+      {"EYX X^2", 2e-4 * um},
+      {"EXY Y^3", 2e-7 * um},
+      {"EC0Y", (-18 - 2e-7 * 0.6 * 150 * 150 * 1e3) * urad},  // the slope of EXY is part of it
+
+      {"EXX lost motion", 3 * um},
+      {"EYY lost motion", 2 * um}};
   for (const auto& [name, value] : wanted) {
     const IdentifiedTerm* term = find(found, name, machine);
     ASSERT_NE(term, nullptr) << name;
@@ -143,7 +150,8 @@ TEST(Joint, ReturnsWhatWasPutIn) {
 double difference(const BallbarRun& run, const TracePrediction& trace) {
   TriangularFactor factor(3);
   for (std::size_t i = 0; i < trace.deviation.size(); ++i)
-    factor.add(std::array{1.0, std::cos(run.angle[i]), std::sin(run.angle[i])}, run.deviation[i] - trace.deviation[i]);
+    factor.add(std::array{1.0, std::cos(run.angle[i]), std::sin(run.angle[i])},
+               run.deviation[i] - trace.deviation[i]);
   return std::sqrt(solve(factor, {}).sum_of_squares / static_cast<double>(trace.deviation.size()));
 }
 
@@ -171,8 +179,9 @@ TEST(Joint, PredictsWhatWasIdentified) {
   const Identification found = identify_jointly(machine, tests, {});
   ASSERT_TRUE(found.ok());
   const std::string text = errors_file_of(machine, found, tests, {{"a remark"}, {}});
-  const auto read = read_machine({"machine.toml", kColumn}, MachineText{"errors.toml", text},
-                                 [](const std::string&) -> std::optional<std::string> { return std::nullopt; });
+  const auto read =
+      read_machine({"machine.toml", kColumn}, MachineText{"errors.toml", text},
+                   [](const std::string&) -> std::optional<std::string> { return std::nullopt; });
   std::string findings;
   for (const Diagnostic& d : read.diagnostics) findings += to_text(d);
   ASSERT_TRUE(read.value) << findings << text;
@@ -193,7 +202,8 @@ TEST(Joint, AssumedZerosLeaveTheSimplestExplanation) {
   EXPECT_EQ(find(found, "EXX lost motion", machine)->origin, IdentifiedTerm::Origin::measured);
   IdentifyOptions least_norm;
   least_norm.assume_zero = false;
-  const Identification shares = identify_jointly(machine, measure(machine, full_plan(), 0.1 * um), least_norm);
+  const Identification shares =
+      identify_jointly(machine, measure(machine, full_plan(), 0.1 * um), least_norm);
   EXPECT_EQ(find(shares, "ECX X", machine)->origin, IdentifiedTerm::Origin::artefact);
   EXPECT_TRUE(shares.assumptions.empty());
   EXPECT_EQ(shares.rank, found.rank);

@@ -17,7 +17,8 @@ struct AxisState {
 /// One unknown of an identification: a coefficient of one error of the machine.
 ///
 ///   constant      c                 of location errors (squareness)
-///   power         c (q^n - line)    static, of the axis' own position; of a straightness a line is taken off: the
+///   power         c (q^n - line)    static, of the axis' own position; of a straightness a line is taken
+///   off: the
 ///                                   trend over the tested travel, which the squareness contains, through
 ///                                   the middle of the travel, where the error is zero
 ///   lost_motion   -c/2 for increasing, +c/2 for decreasing approach of the axis: c > 0 falls behind
@@ -54,12 +55,13 @@ struct TermChoice {
 };
 
 /// Terms of the linear axes `moving` (indices of moving axes), in the order: squareness, then per axis
-/// positioning, straightness, rotations, lost motion, dynamics. `travel` is what the tests cover of every moving
-/// axis. Squareness of two axes is the location error
-/// of the one farther along the chain from the workpiece; errors that cannot act on this chain are left out.
+/// positioning, straightness, rotations, lost motion, dynamics. `travel` is what the tests cover of every
+/// moving axis. Squareness of two axes is the location error of the one farther along the chain from the
+/// workpiece; errors that cannot act on this chain are left out.
 using Travel = std::array<double, 2>;
 [[nodiscard]] std::vector<ModelTerm> choose_terms(const Machine& machine, const std::vector<int>& moving,
-                                                  const std::vector<Travel>& travel, const TermChoice& choice);
+                                                  const std::vector<Travel>& travel,
+                                                  const TermChoice& choice);
 
 /// Offset and slope of the line with the trend of q^power (least squares, every q of the travel counts alike)
 /// that meets it in the middle of the travel.

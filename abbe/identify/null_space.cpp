@@ -105,11 +105,16 @@ int readiness(std::size_t unknown, const std::vector<ModelTerm>& terms, std::siz
   const ModelTerm& term = terms[unknown];
   const bool along = term.name.direction < 3 && term.form == ModelTerm::Form::power && term.power == 1;
   switch (term.form) {
-    case ModelTerm::Form::constant: return 0;
-    case ModelTerm::Form::lost_motion: return 10;
-    case ModelTerm::Form::acceleration: return 50;
-    case ModelTerm::Form::velocity: return 70;
-    case ModelTerm::Form::power: return term.name.is_rotation() ? 90 + term.power : along ? 20 : 30 + term.power;
+    case ModelTerm::Form::constant:
+      return 0;
+    case ModelTerm::Form::lost_motion:
+      return 10;
+    case ModelTerm::Form::acceleration:
+      return 50;
+    case ModelTerm::Form::velocity:
+      return 70;
+    case ModelTerm::Form::power:
+      return term.name.is_rotation() ? 90 + term.power : along ? 20 : 30 + term.power;
   }
   return 0;
 }
@@ -135,7 +140,8 @@ ZeroedSolution solve_with_zeros(const TriangularFactor& factor, const LeastSquar
       if (std::find(out.zeros.begin(), out.zeros.end(), c.parts[0].unknown) != out.zeros.end()) continue;
       for (const UnseenCombination::Part& part : c.parts) {
         const int ready = readiness(part.unknown, terms, first_bar);
-        if (ready >= 0 && (zero == names.size() || ready > readiness(zero, terms, first_bar))) zero = part.unknown;
+        if (ready >= 0 && (zero == names.size() || ready > readiness(zero, terms, first_bar)))
+          zero = part.unknown;
       }
     }
     if (zero == names.size()) break;

@@ -26,14 +26,15 @@ struct UnseenCombination {
                                                                  const std::vector<std::string>& names,
                                                                  const std::vector<ModelTerm>& terms);
 
-/// The solution in which of every unseen combination one unknown is zero: `zeros` names them (unknowns that no
-/// row sees are among them). Unknowns from `first_bar` on are bar lengths; those between the terms and them are
-/// centres, which are never taken.
+/// The solution in which of every unseen combination one unknown is zero: `zeros` names them (unknowns that
+/// no row sees are among them). Unknowns from `first_bar` on are bar lengths; those between the terms and
+/// them are centres, which are never taken.
 struct ZeroedSolution {
   LeastSquaresSolution solution;
   std::vector<std::size_t> zeros;
 };
-[[nodiscard]] ZeroedSolution solve_with_zeros(const TriangularFactor& factor, const LeastSquaresOptions& options,
+[[nodiscard]] ZeroedSolution solve_with_zeros(const TriangularFactor& factor,
+                                              const LeastSquaresOptions& options,
                                               const std::vector<std::string>& names,
                                               const std::vector<ModelTerm>& terms, std::size_t first_bar);
 

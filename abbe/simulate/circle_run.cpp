@@ -39,9 +39,14 @@ class Trapezoid {
 /// One run of the machine: commands and what the axes do, on a grid of time fine enough for the model.
 class Run {
  public:
-  Run(const Plan& plan, const PlannedCircle& circle, const SimulationSettings& settings, int direction, double cycle)
-      : plan_(plan), circle_(circle), direction_(direction), cycle_(cycle),
-        path_(circle.radius * (circle.to - circle.from + 2 * circle.overshoot), circle.feed, circle.acceleration) {
+  Run(const Plan& plan, const PlannedCircle& circle, const SimulationSettings& settings, int direction,
+      double cycle)
+      : plan_(plan),
+        circle_(circle),
+        direction_(direction),
+        cycle_(cycle),
+        path_(circle.radius * (circle.to - circle.from + 2 * circle.overshoot), circle.feed,
+              circle.acceleration) {
     follow(settings.lag);
   }
 
@@ -70,7 +75,8 @@ class Run {
   [[nodiscard]] BusRecord bus() const {
     BusRecord out;
     out.actual = actual_;
-    for (std::size_t i = 0; i < actual_.size(); ++i) out.commanded.push_back(commanded(static_cast<double>(i) * cycle_));
+    for (std::size_t i = 0; i < actual_.size(); ++i)
+      out.commanded.push_back(commanded(static_cast<double>(i) * cycle_));
     return out;
   }
 
@@ -85,7 +91,8 @@ class Run {
       for (int k = 0; k < 3; ++k) {
         const double tau = lag[static_cast<std::size_t>(k)], slope = (next[k] - x[k]) / cycle_;
         // A steady slope is followed tau later; what is left decays.
-        y[k] = tau > 0 ? next[k] - slope * tau + (y[k] - x[k] + slope * tau) * std::exp(-cycle_ / tau) : next[k];
+        y[k] =
+            tau > 0 ? next[k] - slope * tau + (y[k] - x[k] + slope * tau) * std::exp(-cycle_ / tau) : next[k];
       }
       x = next;
     }
@@ -96,7 +103,8 @@ class Run {
     const double at = std::clamp(t / cycle_, 1.0, static_cast<double>(values.size()) - 2.0);
     const auto i = static_cast<std::size_t>(std::lround(at));
     const double x = t / cycle_ - static_cast<double>(i);
-    const Vec3 slope = (values[i + 1] - values[i - 1]) / 2, bend = (values[i + 1] - 2 * values[i] + values[i - 1]) / 2;
+    const Vec3 slope = (values[i + 1] - values[i - 1]) / 2,
+               bend = (values[i + 1] - 2 * values[i] + values[i - 1]) / 2;
     return std::abs(x) > 2 ? values[x > 0 ? values.size() - 1 : 0] : Vec3(values[i] + x * (slope + x * bend));
   }
 
@@ -150,8 +158,8 @@ class Noise {
 
 }  // namespace
 
-SimulatedCircle simulate_circle(const Plan& plan, const PlannedCircle& circle, const SimulationSettings& settings,
-                                double cycle) {
+SimulatedCircle simulate_circle(const Plan& plan, const PlannedCircle& circle,
+                                const SimulationSettings& settings, double cycle) {
   SimulatedCircle out;
   BallbarTest& test = out.test;
   test.plane = circle.plane;
@@ -177,7 +185,8 @@ SimulatedCircle simulate_circle(const Plan& plan, const PlannedCircle& circle, c
       const double t = begin + (end - begin) * (i + 0.5) / circle.samples;
       run.angle.push_back(machine.angle(t));
       run.time.push_back(t);
-      run.deviation.push_back((machine.ball(t + clock) - centre).norm() - circle.radius - settings.bar_length + noise.next());
+      run.deviation.push_back((machine.ball(t + clock) - centre).norm() - circle.radius -
+                              settings.bar_length + noise.next());
       if (!settings.positions) continue;
       run.commanded.push_back(machine.commanded(t + clock));
       run.actual.push_back(machine.actual(t + clock));

@@ -17,8 +17,9 @@ namespace abbe {
 namespace {
 
 Plan plan_of(const std::string& errors) {
-  const auto read = read_machine({"machine.toml", "format = 1\n[machine]\nchain = \"w b X Y Z t\"\n" + errors}, std::nullopt,
-                                 [](const std::string&) -> std::optional<std::string> { return std::nullopt; });
+  const auto read = read_machine(
+      {"machine.toml", "format = 1\n[machine]\nchain = \"w b X Y Z t\"\n" + errors}, std::nullopt,
+      [](const std::string&) -> std::optional<std::string> { return std::nullopt; });
   return std::get<Plan>(make_plan(read.value.value(), {}));
 }
 
@@ -63,7 +64,8 @@ TEST(SimulateCircle, ErrorsHaveTheirShapes) {
 EXX = { forward = { poly = [-2] }, backward = { poly = [2] } }
 EC0Y = 20
 DXX = { poly = [0, -0.05], of = "v.X" }
-)"), some_circle(), {});
+)"),
+                                               some_circle(), {});
   const Diagnosis d = diagnose(made.test, {{}, false, false});
   EXPECT_NEAR(d.find(DiagnosisTerm::Kind::backlash, "X")->value / um, 4, 0.05);
   EXPECT_NEAR(d.find(DiagnosisTerm::Kind::squareness)->value / urad, 20, 0.1);
@@ -88,9 +90,11 @@ TEST(SimulateCircle, SameSeedSameTrace) {
   settings.seed = 7;
   const Plan plan = plan_of("");
   const auto first = simulate_circle(plan, some_circle(), settings);
-  EXPECT_EQ(first.test.runs[1].deviation, simulate_circle(plan, some_circle(), settings).test.runs[1].deviation);
+  EXPECT_EQ(first.test.runs[1].deviation,
+            simulate_circle(plan, some_circle(), settings).test.runs[1].deviation);
   settings.seed = 8;
-  EXPECT_NE(first.test.runs[1].deviation, simulate_circle(plan, some_circle(), settings).test.runs[1].deviation);
+  EXPECT_NE(first.test.runs[1].deviation,
+            simulate_circle(plan, some_circle(), settings).test.runs[1].deviation);
 }
 
 }  // namespace

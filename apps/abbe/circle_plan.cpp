@@ -11,7 +11,8 @@
 namespace abbe::app {
 namespace {
 
-constexpr const char* kKeys = "plane radius feed directions from to overshoot acceleration samples noise setup";
+constexpr const char* kKeys =
+    "plane radius feed directions from to overshoot acceleration samples noise setup";
 
 /// One --test as it is read key by key.
 class Reader {

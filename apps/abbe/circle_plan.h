@@ -12,8 +12,8 @@
 namespace abbe::app {
 
 /// --test of identifiability and simulate ballbar, repeatable:
-/// "plane=XY,radius=100,feed=2000" and optionally directions, from, to, overshoot (deg), acceleration (mm/s^2),
-/// samples, noise (um), setup.
+/// "plane=XY,radius=100,feed=2000" and optionally directions, from, to, overshoot (deg), acceleration
+/// (mm/s^2), samples, noise (um), setup.
 struct CirclePlan {
   PlannedCircle circle;
   double noise = 0;  ///< mm
@@ -22,7 +22,8 @@ struct CirclePlan {
 void add_plan_option(CLI::App& verb, std::vector<std::string>& plan);
 
 /// All of them; nullopt after reporting every mistake.
-[[nodiscard]] std::optional<std::vector<CirclePlan>> read_plan(const std::vector<std::string>& plan, Session& session);
+[[nodiscard]] std::optional<std::vector<CirclePlan>> read_plan(const std::vector<std::string>& plan,
+                                                               Session& session);
 
 /// Angles of a plan, with deviations of 0: what identifiability asks about.
 [[nodiscard]] BallbarTest unmeasured(const CirclePlan& plan);

@@ -32,8 +32,10 @@ struct IdentifyArguments {
 
 void add_model_options(CLI::App& verb, IdentifyArguments& a) {
   const auto order = CLI::Range(0, 6);
-  verb.add_option("--positioning", a.terms.positioning, "powers of positioning errors, 0 = none (3)")->check(order);
-  verb.add_option("--straightness", a.terms.straightness, "powers of straightness errors, 0 = none (3)")->check(order);
+  verb.add_option("--positioning", a.terms.positioning, "powers of positioning errors, 0 = none (3)")
+      ->check(order);
+  verb.add_option("--straightness", a.terms.straightness, "powers of straightness errors, 0 = none (3)")
+      ->check(order);
   verb.add_option("--rotation", a.terms.rotation, "powers of rotations, 0 = none (1)")->check(order);
   verb.add_flag("--lateral-play", a.terms.lateral_play, "lost motion across the axes as well");
   verb.add_flag("--cross", a.terms.cross, "velocity and acceleration act across the axes as well");
@@ -43,7 +45,8 @@ void add_model_options(CLI::App& verb, IdentifyArguments& a) {
   verb.add_flag("--least-norm", a.least_norm, "unseen combinations: least norm in place of zeros");
   verb.add_option("--noise-um", a.noise_um, "standard deviation of a deviation, in place of what files say")
       ->check(CLI::PositiveNumber & finite_number());
-  verb.add_option("--rank-tolerance", a.rank_tolerance, "singular values below it times the largest are zero (1e-3)")
+  verb.add_option("--rank-tolerance", a.rank_tolerance,
+                  "singular values below it times the largest are zero (1e-3)")
       ->check(CLI::Range(1e-12, 0.5) & finite_number());
   verb.add_option("--reversal-ms", a.reversal_ms, "samples closer to a reversal are left out (20)")
       ->check(CLI::NonNegativeNumber & finite_number());
@@ -70,7 +73,8 @@ bool solved_or_report(const Identification& found, Session& session) {
   why.code = "E-IDENTIFY";
   why.place.file = "identify";
   switch (found.status) {
-    case Status::ok: return true;
+    case Status::ok:
+      return true;
     case Status::no_axes:
       why.message = "an axis of a test is no linear axis of the machine";
       why.fix = "the axes X, Y, Z of the tests must be axes of the chain with these names";
@@ -87,14 +91,16 @@ bool solved_or_report(const Identification& found, Session& session) {
   return false;
 }
 
-ErrorsFileHead head_of(const Machine& machine, const std::vector<BallbarTest>& tests, const std::string& method) {
+ErrorsFileHead head_of(const Machine& machine, const std::vector<BallbarTest>& tests,
+                       const std::string& method) {
   ErrorsFileHead head;
   head.calibration = machine.calibration;
   head.calibration.date.clear();  // that of the machine file is not of these tests
-  head.remarks.push_back(fmt::format("identified by abbe {} from circular tests, method {}", ABBE_VERSION, method));
+  head.remarks.push_back(
+      fmt::format("identified by abbe {} from circular tests, method {}", ABBE_VERSION, method));
   for (const BallbarTest& test : tests)
-    head.remarks.push_back(fmt::format("  {}: {} R{:g} mm, {:g} mm/min", test.file, to_string(test.plane), test.radius,
-                                       test.feed * 60));
+    head.remarks.push_back(fmt::format("  {}: {} R{:g} mm, {:g} mm/min", test.file, to_string(test.plane),
+                                       test.radius, test.feed * 60));
   return head;
 }
 
@@ -102,7 +108,8 @@ void run_joint(const IdentifyArguments& a, const Machine& machine, const std::ve
                Session& session) {
   const Identification found = identify_jointly(machine, tests, options_of(a));
   if (!solved_or_report(found, session)) return;
-  const OutputFile file{"-o", a.output, errors_file_of(machine, found, tests, head_of(machine, tests, "joint"))};
+  const OutputFile file{"-o", a.output,
+                        errors_file_of(machine, found, tests, head_of(machine, tests, "joint"))};
   std::vector<std::string> inputs = a.source.files;
   inputs.push_back(a.common.machine);
   if (!write_outputs({file}, inputs, session)) return;
@@ -112,7 +119,8 @@ void run_joint(const IdentifyArguments& a, const Machine& machine, const std::ve
     doubt.code = "W-RESIDUALS";
     doubt.place.file = tests.front().file;
     doubt.message = "the residuals do not look like the stated noise: " + found.doubts.front();
-    doubt.why = "the uncertainties were enlarged, but what is missing in the model is not in the errors either";
+    doubt.why =
+        "the uncertainties were enlarged, but what is missing in the model is not in the errors either";
     doubt.fix = "more terms, or `abbe ballbar` for cyclic errors and spikes";
     session.report(doubt);
   }
@@ -134,15 +142,17 @@ void run_paper(const IdentifyArguments& a, const Machine& machine, const std::ve
   std::vector<PaperTest> paper;
   std::vector<BallbarTest> circles;
   for (const BallbarTest& test : tests) {
-    const bool known = test.plane == TestPlane{0, 1} || test.plane == TestPlane{0, 2} || test.plane == TestPlane{1, 2};
+    const bool known =
+        test.plane == TestPlane{0, 1} || test.plane == TestPlane{0, 2} || test.plane == TestPlane{1, 2};
     bool again = false;
     for (const PaperTest& other : paper) again = again || other.plane == test.plane;
     if (!known || again) {
       Diagnostic why;
       why.code = "E-IDENTIFY";
       why.place.file = test.file;
-      why.message = fmt::format("the published method knows one test each of the planes XY, XZ, YZ, not {} {}",
-                                again ? "a second one of" : "of", to_string(test.plane));
+      why.message =
+          fmt::format("the published method knows one test each of the planes XY, XZ, YZ, not {} {}",
+                      again ? "a second one of" : "of", to_string(test.plane));
       why.fix = "one file per plane, or --method joint";
       session.report(why);
       return;
@@ -152,10 +162,12 @@ void run_paper(const IdentifyArguments& a, const Machine& machine, const std::ve
   }
   const PaperResult result = identify_paper(paper);
   ErrorsFileHead head = head_of(machine, tests, "paper");
-  head.remarks.push_back("displacements count from the start points; sines are of the tests and are never compensated");
+  head.remarks.push_back(
+      "displacements count from the start points; sines are of the tests and are never compensated");
   std::vector<std::string> inputs = a.source.files;
   inputs.push_back(a.common.machine);
-  if (!write_outputs({{"-o", a.output, errors_file_of(result, paper, circles, head)}}, inputs, session)) return;
+  if (!write_outputs({{"-o", a.output, errors_file_of(result, paper, circles, head)}}, inputs, session))
+    return;
   if (!a.common.json) {
     session.out.write(paper_text(result));
     return;
@@ -204,14 +216,16 @@ void run_identifiability(const IdentifyArguments& a, Session& session) {
 }  // namespace
 
 Verb identify_verb(CLI::App& program, Session& session) {
-  CLI::App* command = program.add_subcommand("identify", "errors of a machine from circular tests, with uncertainties");
+  CLI::App* command =
+      program.add_subcommand("identify", "errors of a machine from circular tests, with uncertainties");
   auto a = std::make_shared<IdentifyArguments>();
   add_machine_options(*command, a->common, session);
   command->add_option("TEST", a->source.files, "ball-bar traces (CSV)")->required();
   add_ballbar_options(*command, a->source);
   command->add_option("--method", a->method, "joint least squares, or as published (joint)")
       ->check(CLI::IsMember({"joint", "paper"}));
-  command->add_option("-o,--out", a->output, "errors file, for predict and compensate --errors")->type_name("FILE");
+  command->add_option("-o,--out", a->output, "errors file, for predict and compensate --errors")
+      ->type_name("FILE");
   command->add_option("--clock-ms", a->clock_ms, "standard uncertainty of the clock of a run; 0: not sought")
       ->check(CLI::NonNegativeNumber & finite_number());
   add_model_options(*command, *a);
@@ -219,8 +233,8 @@ Verb identify_verb(CLI::App& program, Session& session) {
 }
 
 Verb identifiability_verb(CLI::App& program, Session& session) {
-  CLI::App* command =
-      program.add_subcommand("identifiability", "what a plan of circular tests would tell, before it is measured");
+  CLI::App* command = program.add_subcommand(
+      "identifiability", "what a plan of circular tests would tell, before it is measured");
   auto a = std::make_shared<IdentifyArguments>();
   add_machine_options(*command, a->common, session);
   add_plan_option(*command, a->plan);

@@ -13,19 +13,26 @@ using Layout = JsonWriter::Layout;
 
 std::string_view origin_of(const IdentifiedTerm& term) {
   switch (term.origin) {
-    case IdentifiedTerm::Origin::measured: return term.identifiable ? "measured" : "measured, given the assumptions";
-    case IdentifiedTerm::Origin::assumed: return "assumed zero";
-    case IdentifiedTerm::Origin::artefact: return "artefact";
+    case IdentifiedTerm::Origin::measured:
+      return term.identifiable ? "measured" : "measured, given the assumptions";
+    case IdentifiedTerm::Origin::assumed:
+      return "assumed zero";
+    case IdentifiedTerm::Origin::artefact:
+      return "artefact";
   }
   return {};
 }
 
 std::string_view origin_of(PaperCoefficient::Origin origin) {
   switch (origin) {
-    case PaperCoefficient::Origin::measured: return "measured";
-    case PaperCoefficient::Origin::artefact: return "artefact";
-    case PaperCoefficient::Origin::assumed: return "assumed";
-    case PaperCoefficient::Origin::missing: return "missing";
+    case PaperCoefficient::Origin::measured:
+      return "measured";
+    case PaperCoefficient::Origin::artefact:
+      return "artefact";
+    case PaperCoefficient::Origin::assumed:
+      return "assumed";
+    case PaperCoefficient::Origin::missing:
+      return "missing";
   }
   return {};
 }
@@ -47,12 +54,14 @@ ShownTerm shown(const IdentifiedTerm& term) {
   if (term.term.form == ModelTerm::Form::velocity) unit += "/(mm/s)";
   if (term.term.form == ModelTerm::Form::acceleration) unit += "/(mm/s^2)";
   const double scale = rotation ? urad : um;
-  return {fmt::format("{:.6g}", term.value / scale + 0.0), fmt::format("{:.3g}", term.uncertainty / scale), unit};
+  return {fmt::format("{:.6g}", term.value / scale + 0.0), fmt::format("{:.3g}", term.uncertainty / scale),
+          unit};
 }
 
 std::string identification_text(const Machine& machine, const Identification& found, bool plan) {
-  std::string text = fmt::format("{} samples ({} near reversals left out), {} unknowns, rank {}, noise {:.3g} um\n\n",
-                                 found.rows, found.left_out, found.names.size(), found.rank, found.noise / um);
+  std::string text =
+      fmt::format("{} samples ({} near reversals left out), {} unknowns, rank {}, noise {:.3g} um\n\n",
+                  found.rows, found.left_out, found.names.size(), found.rank, found.noise / um);
   text += fmt::format("{:<18}{:>14}{:>12}\n", "term", plan ? "" : "value", plan ? "expected u" : "u");
   for (const IdentifiedTerm& term : found.terms) {
     const ShownTerm s = shown(term);
@@ -65,10 +74,11 @@ std::string identification_text(const Machine& machine, const Identification& fo
   if (!found.assumptions.empty()) text += "taken for zero:\n";
   for (const std::string& zero : found.assumptions) text += fmt::format("  {}\n", zero);
   if (plan) return text;
-  text += fmt::format("\nresiduals: chi^2 per degree of freedom {:.3f}, largest {:.1f} standard deviations, lag one "
-                      "{:+.2f}, tau {:.1f}; covariance times {:.2f}\n",
-                      found.chi_square, found.largest_standardised, found.residuals.lag_one, found.residuals.tau,
-                      found.inflation);
+  text += fmt::format(
+      "\nresiduals: chi^2 per degree of freedom {:.3f}, largest {:.1f} standard deviations, lag one "
+      "{:+.2f}, tau {:.1f}; covariance times {:.2f}\n",
+      found.chi_square, found.largest_standardised, found.residuals.lag_one, found.residuals.tau,
+      found.inflation);
   text += found.trusted ? "they look like the noise\n" : "DOUBTFUL:\n";
   for (const std::string& doubt : found.doubts) text += fmt::format("  {}\n", doubt);
   return text;
@@ -76,16 +86,19 @@ std::string identification_text(const Machine& machine, const Identification& fo
 
 std::string balance_text(const Identification& found, const std::vector<BallbarTest>& tests) {
   std::string text =
-      "\nrms per run, um                     feed mm/s  measured     servo    static   dynamic  residual   dynamic share "
+      "\nrms per run, um                     feed mm/s  measured     servo    static   dynamic  residual   "
+      "dynamic share "
       "(L1), 95 %\n";
   for (const RunBalance& run : found.runs) {
     const BallbarTest& test = tests[run.test];
-    text += fmt::format("  {:<28}{:<4}{:>11.1f}{:>10.3f}{:>10.3f}{:>10.3f}{:>10.3f}{:>10.3f}{:>9.2f} % ({:.2f} .. {:.2f})\n",
-                        file_of(tests, run.test), test.runs[run.run].direction > 0 ? "CCW" : "CW", test.feed,
-                        run.measured / um, run.servo / um, run.statics / um, run.dynamics / um, run.residual / um,
-                        100 * run.share.l1, 100 * run.low.l1, 100 * run.high.l1);
+    text += fmt::format(
+        "  {:<28}{:<4}{:>11.1f}{:>10.3f}{:>10.3f}{:>10.3f}{:>10.3f}{:>10.3f}{:>9.2f} % ({:.2f} .. {:.2f})\n",
+        file_of(tests, run.test), test.runs[run.run].direction > 0 ? "CCW" : "CW", test.feed,
+        run.measured / um, run.servo / um, run.statics / um, run.dynamics / um, run.residual / um,
+        100 * run.share.l1, 100 * run.low.l1, 100 * run.high.l1);
     if (run.time_uncertainty > 0)
-      text += fmt::format("    clock {:+.2f} +- {:.2f} ms\n", run.time_offset * 1e3, run.time_uncertainty * 1e3);
+      text +=
+          fmt::format("    clock {:+.2f} +- {:.2f} ms\n", run.time_offset * 1e3, run.time_uncertainty * 1e3);
   }
   return text;
 }
@@ -93,7 +106,9 @@ std::string balance_text(const Identification& found, const std::vector<BallbarT
 void write_identification(JsonWriter& json, const Machine& machine, const Identification& found,
                           const std::vector<BallbarTest>& tests, bool plan) {
   json.member("rows", static_cast<std::uint64_t>(found.rows)).member("rank", static_cast<int>(found.rank));
-  json.member("unknowns", found.names).member("noise_mm", found.noise).member("noise_known", found.noise_known);
+  json.member("unknowns", found.names)
+      .member("noise_mm", found.noise)
+      .member("noise_known", found.noise_known);
   json.key("terms").begin_array();
   for (const IdentifiedTerm& term : found.terms) {
     json.begin_object(Layout::one_line);
@@ -103,8 +118,9 @@ void write_identification(JsonWriter& json, const Machine& machine, const Identi
     json.member("origin", origin_of(term)).end();
   }
   json.end();
-  json.key("singular_values").value(std::span<const double>(
-      found.singular_values.data(), static_cast<std::size_t>(found.singular_values.size())));
+  json.key("singular_values")
+      .value(std::span<const double>(found.singular_values.data(),
+                                     static_cast<std::size_t>(found.singular_values.size())));
   json.key("unseen").begin_array();
   for (const UnseenCombination& c : found.unseen) json.value(c.words);
   json.end();
@@ -139,7 +155,8 @@ void write_identification(JsonWriter& json, const Machine& machine, const Identi
 std::string paper_text(const PaperResult& result) {
   std::string text = "equation    unknowns  rank  rms residual, um\n";
   for (const PaperStep& step : result.steps)
-    text += fmt::format("  {:<12}{:>4}{:>8}{:>12.4f}\n", step.equation, step.unknowns, step.rank, step.rms_residual / um);
+    text += fmt::format("  {:<12}{:>4}{:>8}{:>12.4f}\n", step.equation, step.unknowns, step.rank,
+                        step.rms_residual / um);
   text += "\ncoefficients (mm, rad, mm displacement)\n";
   for (const PaperCoefficient& c : result.coefficients)
     if (c.origin != PaperCoefficient::Origin::missing)

@@ -15,7 +15,8 @@ struct ShownTerm {
 };
 [[nodiscard]] ShownTerm shown(const IdentifiedTerm& term);
 
-/// Terms with value and uncertainty (or, of a plan, the expected uncertainty), rank, what is not seen, doubts.
+/// Terms with value and uncertainty (or, of a plan, the expected uncertainty), rank, what is not seen,
+/// doubts.
 [[nodiscard]] std::string identification_text(const Machine& machine, const Identification& found, bool plan);
 /// Per run: measured, servo, static, dynamic, residual, dynamic share with its interval.
 [[nodiscard]] std::string balance_text(const Identification& found, const std::vector<BallbarTest>& tests);

@@ -35,7 +35,8 @@ bool read_lag(const SimulateArguments& arguments, SimulationSettings& settings, 
     const int axis = given.name.size() == 1 ? given.name[0] - 'X' : -1;
     if (!value) continue;
     if (axis < 0 || axis > 2 || *value < 0 || *value > 1000)
-      findings.push_back(option_error("--lag", fmt::format("{}={}", given.name, given.text), "--lag X=0.8,Y=1.1 (ms)"));
+      findings.push_back(
+          option_error("--lag", fmt::format("{}={}", given.name, given.text), "--lag X=0.8,Y=1.1 (ms)"));
     else
       settings.lag[static_cast<std::size_t>(axis)] = *value * 1e-3;
   }
@@ -80,8 +81,8 @@ class BusColumns {
   ProcessMap map_;
 };
 
-bool write_bus(const std::string& path, const PlannedCircle& circle, const SimulatedCircle& made, double cycle,
-               Session& session) {
+bool write_bus(const std::string& path, const PlannedCircle& circle, const SimulatedCircle& made,
+               double cycle, Session& session) {
   FileResult<SpoolFile> created = SpoolFile::create(path);
   if (const auto* error = std::get_if<FileError>(&created)) {
     session.report(*error, path);
@@ -105,7 +106,8 @@ bool axes_are_there(const Machine& machine, const std::vector<CirclePlan>& plan,
     for (const int k : {planned.circle.plane.first, planned.circle.plane.second}) {
       const int axis = machine.find_axis(std::string(1, axis_letter(k)));
       if (axis >= 0 && machine.axis(axis).type == AxisType::linear) continue;
-      session.report(option_error("--test", fmt::format("this machine has no linear axis {}", axis_letter(k))));
+      session.report(
+          option_error("--test", fmt::format("this machine has no linear axis {}", axis_letter(k))));
       return false;
     }
     if (planned.circle.radius < kLargestCount) continue;
@@ -135,8 +137,8 @@ void run_simulation(const SimulateArguments& arguments, Session& session) {
     const std::string path = fmt::format("{}{}", arguments.prefix, i + 1);
     files.push_back({"--out", path + ".csv", write_ballbar(made.test)});
     if (arguments.bus && !write_bus(path + ".pcap", circle, made, arguments.cycle_us * 1e-6, session)) return;
-    session.out.write(fmt::format("{}.csv{}: {}, {} samples\n", path, arguments.bus ? " and .pcap" : "", name_of(circle),
-                                  made.test.samples()));
+    session.out.write(fmt::format("{}.csv{}: {}, {} samples\n", path, arguments.bus ? " and .pcap" : "",
+                                  name_of(circle), made.test.samples()));
   }
   if (!write_outputs(files, setting->machine.files, session)) session.note(Exit::internal);
 }
@@ -148,16 +150,20 @@ Verb simulate_ballbar_verb(CLI::App& simulate, Session& session) {
   auto a = std::make_shared<SimulateArguments>();
   add_common_options(*command, a->common, session);
   add_plan_option(*command, a->plan);
-  command->add_option("--lag", a->lag, "time constants of the position loops, ms: X=0.8,Y=1.1")->allow_extra_args(false);
+  command->add_option("--lag", a->lag, "time constants of the position loops, ms: X=0.8,Y=1.1")
+      ->allow_extra_args(false);
   command->add_option("--clock-ms", a->clock_ms, "standard deviation of the clock of a run")
       ->check(CLI::NonNegativeNumber & finite_number());
   command->add_option("--colour", a->colour, "correlation of neighbouring noise, 0 (white) to below 1")
       ->check(CLI::Range(0.0, 0.999) & finite_number());
-  command->add_option("--cycle-us", a->cycle_us, "cycle of the bus (1000)")->check(CLI::Range(50.0, 1e5) & finite_number());
+  command->add_option("--cycle-us", a->cycle_us, "cycle of the bus (1000)")
+      ->check(CLI::Range(50.0, 1e5) & finite_number());
   command->add_option("--seed", a->seed, "of the noise (1)");
   command->add_flag("--positions", a->positions, "commanded and actual positions as columns of the traces");
   command->add_flag("--bus", a->bus, "an EtherCAT capture beside each trace");
-  command->add_option("-o,--out", a->prefix, "traces are PREFIX1.csv, PREFIX2.csv, ..")->required()->type_name("PREFIX");
+  command->add_option("-o,--out", a->prefix, "traces are PREFIX1.csv, PREFIX2.csv, ..")
+      ->required()
+      ->type_name("PREFIX");
   return {command, [a, &session] { run_simulation(*a, session); }};
 }
 

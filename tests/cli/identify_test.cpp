@@ -1,4 +1,5 @@
-// `abbe simulate ballbar`, `identify`, `identifiability`: a machine with known errors is measured, identified, predicted.
+// `abbe simulate ballbar`, `identify`, `identifiability`: a machine with known errors is measured,
+// identified, predicted.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -74,7 +75,8 @@ TEST_F(Identify, ErrorsFileOfASimulatedMachine) {
   }
   EXPECT_TRUE(found);
   EXPECT_EQ(answer["covariance"].size(), answer["unknowns"].size());
-  const ProgramRun predicted = abbe({"predict", mill_, "--errors", errors, "--at", "X=50,Y=80,Z=0", "--json"});
+  const ProgramRun predicted =
+      abbe({"predict", mill_, "--errors", errors, "--at", "X=50,Y=80,Z=0", "--json"});
   ASSERT_EQ(predicted.exit, 0) << predicted.err;
   // EC0Y -18 urad moves the tip by +18e-6 * 80 along X.
   EXPECT_NEAR(json::parse(predicted.out)["points"][0]["deviation"]["position_mm"][0], 1.44e-3, 2e-4);
@@ -91,12 +93,13 @@ TEST_F(Identify, PaperSinusoidsAreShownAndNeverCompensated) {
   ASSERT_EQ(run.exit, 0) << run.err;
   EXPECT_THAT(run.out, HasSubstr("artefact"));
   EXPECT_THAT(content(errors), HasSubstr("scope = \"test\""));
-  const ProgramRun predicted = abbe({"predict", mill_, "--errors", errors, "--at", "X=0,Y=0,Z=0", "--set", "t=0"});
+  const ProgramRun predicted =
+      abbe({"predict", mill_, "--errors", errors, "--at", "X=0,Y=0,Z=0", "--set", "t=0"});
   ASSERT_EQ(predicted.exit, 0) << predicted.err;
   EXPECT_THAT(predicted.out, HasSubstr("of one test"));
   const std::string program = folder_.put("part.ngc", "G21 G90 G54\nG1 X10 F100\nM2\n");
-  const ProgramRun refused = abbe({"compensate", mill_, program, "-o", folder_ / "out.ngc", "--errors", errors, "--set",
-                                   "t=0", "--offset", "G54=X0,Y0,Z0"});
+  const ProgramRun refused = abbe({"compensate", mill_, program, "-o", folder_ / "out.ngc", "--errors",
+                                   errors, "--set", "t=0", "--offset", "G54=X0,Y0,Z0"});
   EXPECT_EQ(refused.exit, 3) << refused.err;
   EXPECT_THAT(refused.err, HasSubstr("E-SCOPE"));
   EXPECT_EQ(content(folder_ / "out.ngc"), "");
@@ -107,15 +110,17 @@ TEST_F(Identify, IdentifiabilityExplainsOneFeed) {
   const ProgramRun one = abbe({"identifiability", mill_, "--test", "plane=XY,radius=100,feed=2000"});
   ASSERT_EQ(one.exit, 0) << one.err;
   EXPECT_THAT(one.out, HasSubstr("another feed tells them apart"));
-  const ProgramRun two = abbe({"identifiability", mill_, "--json", "--test", "plane=XY,radius=100,feed=600,setup=a",
-                               "--test", "plane=XY,radius=150,feed=3000,setup=a"});
+  const ProgramRun two =
+      abbe({"identifiability", mill_, "--json", "--test", "plane=XY,radius=100,feed=600,setup=a", "--test",
+            "plane=XY,radius=150,feed=3000,setup=a"});
   ASSERT_EQ(two.exit, 0) << two.err;
   EXPECT_GT(json::parse(two.out)["rank"], 10);
 }
 
 TEST_F(Identify, SimulatedBusIsACapture) {
-  const ProgramRun run = abbe({"simulate", "ballbar", hidden_, "--test", "plane=ZX,radius=50,feed=3000,directions=CW",
-                               "--lag", "X=1", "--bus", "--positions", "--out", folder_ / "b"});
+  const ProgramRun run =
+      abbe({"simulate", "ballbar", hidden_, "--test", "plane=ZX,radius=50,feed=3000,directions=CW", "--lag",
+            "X=1", "--bus", "--positions", "--out", folder_ / "b"});
   ASSERT_EQ(run.exit, 0) << run.err;
   EXPECT_THAT(content(folder_ / "b1.csv"), HasSubstr("x_cmd_mm"));
   EXPECT_GT(content(folder_ / "b1.pcap").size(), 100000U);

@@ -16,8 +16,8 @@ using test::measure;
 
 constexpr int kSamples = 400;
 
-/// Truth minus prediction at another radius and feed, centre and length of the bar taken off, and the prediction's
-/// standard uncertainty.
+/// Truth minus prediction at another radius and feed, centre and length of the bar taken off, and the
+/// prediction's standard uncertainty.
 struct Unseen {
   double worst = 0;  ///< largest |difference| / uncertainty
   double rms = 0;    ///< mm
@@ -56,7 +56,8 @@ TEST(ClosedLoop, UnseenTraceIsWithinThreeSigma) {
   for (const std::uint64_t seed : {1, 2, 3}) {
     SimulationSettings settings = test::quiet();
     settings.seed = seed;
-    const Identification found = identify_jointly(machine_of(kChain), measure(machine, settings, kSamples), {});
+    const Identification found =
+        identify_jointly(machine_of(kChain), measure(machine, settings, kSamples), {});
     ASSERT_TRUE(found.ok());
     EXPECT_TRUE(found.trusted) << found.doubts[0];
     const Unseen unseen = unseen_trace(machine, found);
@@ -76,7 +77,8 @@ TEST(ClosedLoop, ServoLagsAreSeenByTheServo) {
   EXPECT_TRUE(found.trusted) << found.doubts[0];
   EXPECT_GT(found.runs.back().servo, 5 * um);
   // The mechanical rest is what it is without lag.
-  const Identification stiff = identify_jointly(machine_of(kChain), measure(machine, test::quiet(), kSamples), {});
+  const Identification stiff =
+      identify_jointly(machine_of(kChain), measure(machine, test::quiet(), kSamples), {});
   for (std::size_t k = 0; k < found.terms.size(); ++k) {
     if (!found.terms[k].identifiable || !found.terms[k].term.is_dynamic()) continue;
     EXPECT_NEAR(found.terms[k].value, stiff.terms[k].value, 5 * stiff.terms[k].uncertainty);
@@ -92,8 +94,8 @@ TEST(ClosedLoop, UnmodelledErrorsAreFlagged) {
   EXPECT_GT(one.inflation, 1.5);
   SimulationSettings coloured = test::quiet();
   coloured.colour = 0.8;
-  const Identification two =
-      identify_jointly(machine_of(kChain), measure(machine_of(kChain + kHiddenErrors), coloured, kSamples), {});
+  const Identification two = identify_jointly(
+      machine_of(kChain), measure(machine_of(kChain + kHiddenErrors), coloured, kSamples), {});
   EXPECT_FALSE(two.trusted);
   EXPECT_GT(two.inflation, 4);  // tau = 9
 }
@@ -112,8 +114,8 @@ TEST(ClosedLoop, ClocksThatDisagreeAreFound) {
   EXPECT_NEAR(found.chi_square, 1, 0.1);
 }
 
-// As identify_coverage, with fewer seeds: the pooled share of intervals that hold the truth. Its standard deviation
-// over 30 seeds of some fifteen terms is about 1 %.
+// As identify_coverage, with fewer seeds: the pooled share of intervals that hold the truth. Its standard
+// deviation over 30 seeds of some fifteen terms is about 1 %.
 TEST(ClosedLoop, IntervalsCoverTheTruth) {
   const Machine machine = machine_of(kChain + kHiddenErrors);
   SimulationSettings exact = test::quiet();
@@ -125,11 +127,13 @@ TEST(ClosedLoop, IntervalsCoverTheTruth) {
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
     SimulationSettings settings = test::quiet();
     settings.seed = seed;
-    const Identification found = identify_jointly(machine_of(kChain), measure(machine, settings, 120), options);
+    const Identification found =
+        identify_jointly(machine_of(kChain), measure(machine, settings, 120), options);
     for (std::size_t k = 0; k < found.terms.size(); ++k) {
       if (!found.terms[k].identifiable) continue;
       ++all;
-      covered += std::abs(found.terms[k].value - truth.terms[k].value) <= 1.96 * found.terms[k].uncertainty ? 1 : 0;
+      covered +=
+          std::abs(found.terms[k].value - truth.terms[k].value) <= 1.96 * found.terms[k].uncertainty ? 1 : 0;
     }
   }
   ASSERT_GT(all, 200);

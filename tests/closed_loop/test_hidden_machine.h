@@ -36,8 +36,9 @@ DYY = [ { poly = [0, -0.05], of = "v.Y" }, { poly = [0, -0.006], of = "a.Y" } ]
 )";
 
 inline Machine machine_of(const std::string& text) {
-  const auto read = read_machine({"machine.toml", text}, std::nullopt,
-                                 [](const std::string&) -> std::optional<std::string> { return std::nullopt; });
+  const auto read =
+      read_machine({"machine.toml", text}, std::nullopt,
+                   [](const std::string&) -> std::optional<std::string> { return std::nullopt; });
   if (!read.value) throw std::runtime_error(to_text(read.diagnostics.at(0)));
   return *read.value;
 }
