@@ -91,6 +91,7 @@ class Rewriter {
   // rewriter_motion.cpp: lines and rapids
   void motion(std::string& out);
   bool read_move(Move& move);
+  bool check_travel(const Move& move);
   /// False: refused.
   bool straight(const Move& move, std::string& out);
   void uncorrected(const Move& move, std::string& out);
@@ -139,7 +140,7 @@ class Rewriter {
   std::optional<Stop> stop_at(const Move& move, double s, const Turns& from);
   bool bends(const Move& move, const Stop& a, const Stop& b);
   bool split_turn(const Move& move, const Stop& a, const Stop& b, int depth, std::vector<Stop>& stops);
-  bool choose_turning_feed(const Move& move, const Stop& start, const Stop& end);
+  bool choose_turning_feed(const Move& move, const Stop& start, const std::vector<Stop>& stops);
   void write_timed(const Move& move, const std::vector<Piece>& pieces, std::string& out);
 
   // rewriter_arc.cpp

@@ -11,7 +11,7 @@ namespace abbe {
 namespace {
 
 /// Words that are lengths or angles, so that a missing point may change their unit.
-constexpr LetterSet kDimensions = letter_set("XYZIJKR");
+constexpr LetterSet kDimensions = letter_set("XYZIJKRABC");
 
 bool has_point(const Block& block, const Word& word) {
   return block.text.substr(word.number, static_cast<std::size_t>(word.end - word.number)).find('.') != std::string_view::npos;
@@ -63,7 +63,7 @@ bool Rewriter::settle_numbers() {
     const bool cycle_k = word.letter == 'K' && is_cycle(instruction_.motion);
     if ((kDimensions & letter_set({&word.letter, 1})) == 0 && !time) continue;
     if (cycle_k || word.value == 0) continue;
-    const bool angle = word.letter == 'R' && instruction_.rotation == 1;
+    const bool angle = (word.letter == 'R' && instruction_.rotation == 1) || (word.letter >= 'A' && word.letter <= 'C');
     if (!has_point(block_, word) && rules.integer_words != IntegerWords::units) {
       if (rules.integer_words == IntegerWords::ask || time) {
         refuse(word, "E-DECIMAL", fmt::format("{}: a number without a decimal point", block_.text.substr(word.begin, static_cast<std::size_t>(word.end - word.begin))),

@@ -14,6 +14,8 @@ constexpr double kSampleSpacing = 10;
 // Between places closer than this no further one is looked at, mm.
 constexpr double kFineSpacing = 2;
 constexpr std::size_t kMaxUniform = 64;
+// A command may leave its range by the rounding of its digits.
+constexpr double kTravelSlack = 1e-6;
 // The gradient between two points closer than this is dominated by rounding, mm.
 constexpr double kGradientBase = 0.05;
 
@@ -33,7 +35,7 @@ bool Rewriter::read_move(Move& move) {
     for (int k = 0; k < 3; ++k) {
       if (const Word* word = axis_word(k)) move.m1[k] = word->value * modal_.unit();
     }
-    if (tcp_ && (move.named & 7u) != 0) {
+    if (tcp_ && move.named != 0) {
       refuse_block("E-TCP", "machine coordinates (G53) while tool centre point control is on", "controls differ on what they mean then",
                    "switch tool centre point control off before");
       return false;
@@ -67,6 +69,23 @@ bool Rewriter::read_move(Move& move) {
   return true;
 }
 
+// Machine coordinates are copied, so they are the program's own if they leave a travel.
+bool Rewriter::check_travel(const Move& move) {
+  for (int k = 0; k < 6; ++k) {
+    const auto i = static_cast<std::size_t>(k % 3);
+    if ((move.named & (1u << k)) == 0) continue;
+    const int axis = k < 3 ? axes_.linear[i] : axes_.rotary[i];
+    const double at = k < 3 ? move.m1[k] : move.turns1[i], unit = k < 3 ? 1 : deg;
+    const auto& range = machine_.axis(axis).range;
+    if (!range || (at >= (*range)[0] - kTravelSlack && at <= (*range)[1] + kTravelSlack)) continue;
+    report_.out_of_volume = true;
+    refuse_block("E-TRAVEL", fmt::format("{} {:.4f} {}: outside the travel of the axis", "XYZABC"[k], at / unit, k < 3 ? "mm" : "deg"),
+                 "the control would stop there, or the machine file's range is wrong", "check the block and `range` in the machine file");
+    return false;
+  }
+  return true;
+}
+
 void Rewriter::motion(std::string& out) {
   if (is_cycle(instruction_.motion)) return cycle(out);
   Move move;
@@ -88,6 +107,7 @@ void Rewriter::motion(std::string& out) {
       refuse_block("E-POS", "a feed move from an unknown position", "the path cannot be followed", "begin with G0, or give the position with --start");
       return;
     }
+    if (!check_travel(move)) return;
     ++report_.blocks.passed;
     move_text_ = "G53: machine coordinates are copied; these axes are corrected again when the program commands them";
     pass(out);
@@ -129,7 +149,7 @@ void Rewriter::uncorrected(const Move& move, std::string& out) {
     if ((move.named & (1u << k)) || (out_.frames.rotated() && k < 2)) out_.m[k] = m[k];
   }
   for (std::size_t k = 0; k < 3; ++k) {
-    if (move.named & (8u << k)) out_.turns[k] = move.turns1[k];
+    if (move.named & (8u << k)) out_.turns[k] = modal_.incremental ? out_.turns[k] + move.turns1[k] - move.turns0[k] : move.turns1[k];
   }
   ++report_.blocks.passed;
   move_text_ = "the position of an axis is not known yet: the rapid is copied";
@@ -310,8 +330,8 @@ void Rewriter::write_pieces(const Move& move, const std::vector<Piece>& pieces, 
     command(piece.want, first, p_out, &extra);
     command_turns(move, piece, first, &extra);
     put_feed_share(piece.s1 - piece.s0, first, &extra);
-    if (!last && first) stops_to_last(true, nullptr);
-    if (!first && last) stops_to_last(false, &extra);
+    if (!last && first && timed_feed_ == 0) stops_to_last(true, nullptr);
+    if (!first && last && timed_feed_ == 0) stops_to_last(false, &extra);
     if (first || extra.empty()) continue;  // empty: the rounded end is where the last piece went
     add_block(extra, last ? eol_ : inner_eol, tail);
     const double part = (piece.s1 - piece.s0) * length;

@@ -24,9 +24,28 @@ constexpr double kShortestPiece = 0.05;       // mm
 constexpr double kSmallestTurn = 0.02 * deg;
 // The feed of the linear axes may change by this share.
 constexpr double kFeedChange = 0.1;
-// Smaller ways of rotary axes are rounding, rad.
-constexpr double kNoTurn = 1e-12;
-constexpr int kTurnDecimals = 4;  // 0.0001 deg
+// Smaller ways of rotary axes are no motion: the correction of a turn does not go into them, rad.
+constexpr double kNoTurn = 0.5e-4 * deg;
+// Smaller ways of linear axes are rounding of double arithmetic, mm.
+constexpr double kNoWay = 1e-7;
+constexpr double kSamePlace = 1e-12;  // rad
+// Where the rotary axes are this near to zero, a point of the tip is the axes' position but for a correction.
+constexpr double kHome = 0.5 * deg;
+
+/// The number with as many digits as it needs.
+void append_exact(std::string& out, double number) {
+  constexpr int kMost = 9;
+  for (int decimals = 1; decimals <= kMost; ++decimals) {
+    std::string text;
+    if (append_fixed(text, number, decimals) != number && decimals < kMost) continue;
+    out += text;
+    return;
+  }
+}
+
+bool near_home(const Turns& turns) {
+  return std::all_of(turns.begin(), turns.end(), [](double turn) { return std::abs(turn) <= kHome; });
+}
 
 }  // namespace
 
@@ -42,7 +61,8 @@ int Rewriter::turn_decimals(int axis) const {
     const double digits = -std::log10(*machine_.control.axes[i].resolution / deg);
     return std::clamp(static_cast<int>(std::floor(digits + 1e-9)), 0, 9);
   }
-  return word ? std::max<int>(kTurnDecimals, word->decimals) : kTurnDecimals;
+  const int profile = profile_.numbers.decimals_degree;
+  return word && profile_.numbers.finer ? std::max<int>(profile, word->decimals) : profile;
 }
 
 bool Rewriter::turn_words_allowed() {
@@ -100,14 +120,25 @@ bool Rewriter::read_turns(Move& move) {
 
 // An axis that is named but does not turn stays where the output has it.
 void Rewriter::keep_turns(const Move& move) {
-  if (!instruction_.turns_axes || modal_.incremental || move.known1 != needed_) return;
+  if (!instruction_.turns_axes || move.known1 != needed_) return;
   const auto offsets = in_.frames.turn_offset();
   for (int k = 0; k < 3; ++k) {
     const Word* word = turn_word_of(k);
     const auto i = static_cast<std::size_t>(k);
     if (!word || (move.turning & (1u << k)) != 0) continue;
-    const TurnWord kept = turn_word(turning_of(k), word->value, move.turns1[i], out_.turns[i], out_.turns[i], offsets[i], turn_decimals(k));
-    if (kept.number != word->value) put("ABC"[k], word, kept.number, turn_decimals(k), true, nullptr);
+    if (modal_.incremental) {
+      out_.turns[i] += move.turns1[i] - move.turns0[i];  // copied
+      continue;
+    }
+    // as many digits as the axis was sent there with: one less, and it may have to turn on
+    constexpr int kMostDecimals = 9;
+    int decimals = turn_decimals(k);
+    TurnWord kept;
+    for (; decimals <= kMostDecimals; ++decimals) {
+      kept = turn_word(turning_of(k), word->value, move.turns1[i], out_.turns[i], out_.turns[i], offsets[i], decimals);
+      if (std::abs(kept.position - out_.turns[i]) < kSamePlace) break;
+    }
+    if (kept.number != word->value) put("ABC"[k], word, kept.number, std::min(decimals, kMostDecimals), true, nullptr);
   }
 }
 
@@ -131,8 +162,9 @@ void Rewriter::switch_tcp(bool on) {
   if (!in || !out) return;
   in_.m = *in;
   out_.m = *out;
-  // one unknown axis leaves no coordinate of the point known, unless the axes stand as at home
-  if ((known_ & 7u) != 7u && in_.turns != Turns{}) known_ &= ~7u;
+  // Turned away from home the point depends on the control's numbers alone: no word is added for a linear axis
+  // until the program has named it. The same where a rotary axis is not known.
+  if ((known_ & needed_ & ~7u) != (needed_ & ~7u) || !near_home(in_.turns) || !near_home(out_.turns)) known_ &= ~7u;
   withheld_ = 0;
   last_correction_.reset();
   start_corrected_ = false;
@@ -180,7 +212,7 @@ std::optional<Rewriter::Stop> Rewriter::stop_at(const Move& move, double s, cons
       word = turn_word(turning_of(k), named->value, move.turns1[i], from[i], answer.turns[i], offsets[i], turn_decimals(k));
     }
     if (word.clamped) {
-      warn("W-TURN", fmt::format("{}: the correction of {:.4f} deg is cut short", "ABC"[k], (answer.turns[i] - move.turns1[i]) / deg),
+      warn("W-TURN", fmt::format("{}: the correction of {:.4f} deg is cut short", "ABC"[k], (answer.turns[i] - turns[i]) / deg),
            "it would turn the axis the other way, or once more around", "none is needed: what is left of the direction is in the report");
     }
     stop.turns[i] = word.position;
@@ -231,22 +263,29 @@ bool Rewriter::split_turn(const Move& move, const Stop& a, const Stop& b, int de
 }
 
 // F is of the linear axes as long as they move, else in degrees per minute. Where a correction would change which,
-// the time is stated instead: for rotary axes alone  T = sqrt(sum of squared ways) / F.
-bool Rewriter::choose_turning_feed(const Move& move, const Stop& start, const Stop& end) {
+// in any piece, the time is stated instead: for rotary axes alone  T = sqrt(sum of squared ways) / F.
+bool Rewriter::choose_turning_feed(const Move& move, const Stop& start, const std::vector<Stop>& stops) {
   timed_feed_ = 0;
   if (modal_.feed_mode == 930) return true;
-  const double way = (move.m1 - move.m0).norm(), now = (end.m - start.m).norm();
-  const bool corrected = now > half_digit(decimals_of(nullptr)) * modal_.unit();
-  const bool same = way > 0 ? std::abs(now - way) <= kFeedChange * way : !corrected;
+  const double whole = (move.m1 - move.m0).norm();
+  const double digit = half_digit(decimals_of(nullptr)) * modal_.unit();
+  const bool linear = whole > kNoWay;
+  bool same = true;
+  const Stop* from = &start;
+  for (const Stop& stop : stops) {
+    const double meant = (stop.s - from->s) * whole, now = (stop.m - from->m).norm();
+    same = same && (linear ? std::abs(now - meant) <= kFeedChange * meant : (stop.m - from->m).cwiseAbs().maxCoeff() <= digit);
+    from = &stop;
+  }
   if (same) return true;
   double angle = 0;
   for (std::size_t k = 0; k < 3; ++k) angle = std::hypot(angle, (move.turns1[k] - move.turns0[k]) / deg);
-  const double distance = way > 0 ? way / modal_.unit() : angle;
+  const double distance = linear ? whole / modal_.unit() : angle;
   if (modal_.feed_mode == 940 && modal_.has_feed && modal_.feed > 0) {
     timed_feed_ = modal_.feed / distance;
     return true;
   }
-  refuse_block("E-ROTFEED", fmt::format("a turning feed move of {:.4f} mm becomes {:.4f} mm long", way, now),
+  refuse_block("E-ROTFEED", fmt::format("a correction changes the way of the linear axes ({:.4f} mm) while rotary axes turn", whole),
                "the control's F is of the linear axes where these move: the rotary axes would turn at another speed",
                "post with inverse time (G93)");
   return false;
@@ -259,11 +298,18 @@ void Rewriter::write_timed(const Move& move, const std::vector<Piece>& pieces, s
   const char* const slash = block_.slash ? "/" : "";
   eol_ = inner_eol;
   out += fmt::format("{}G93{}", slash, inner_eol);
+  // The block's own G94 would take the time back, and what acts after the motion comes behind it.
+  for (int i = 0; i < block_.count; ++i) {
+    const Word& word = block_.words[static_cast<std::size_t>(i)];
+    if (word.letter == 'G' && word.value == 94) edit_.remove(word);
+  }
+  stops_to_last(true, nullptr);
   write_pieces(move, pieces, out);
   eol_ = line_eol;
-  std::string feed;
-  append_fixed(feed, modal_.feed, 4);
-  out += fmt::format("{}G94 F{}{}", slash, feed, line_eol);
+  std::string tail;
+  append_exact(tail, modal_.feed);
+  stops_to_last(false, &tail);
+  out += fmt::format("{}G94 F{}{}", slash, tail, line_eol);
   report_.lines_out += 2;
 }
 
@@ -284,7 +330,7 @@ bool Rewriter::turn(const Move& move, std::string& out) {
   note_correction(move.m1, field_.standing_axes(end->m) - nominal_axes);
   std::vector<Stop> stops;
   if (feed) {
-    if (!choose_turning_feed(move, start, *end) || !split_turn(move, start, *end, 0, stops)) return false;
+    if (!split_turn(move, start, *end, 0, stops) || !choose_turning_feed(move, start, stops)) return false;
   } else {
     stops.push_back(*end);
   }

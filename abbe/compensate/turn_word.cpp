@@ -35,7 +35,8 @@ double rounded(double number, int decimals) {
 double spelled(Turning turning, double written, double target, double wanted, int decimals) {
   double number = (turning == Turning::sign ? std::abs(written) : written) + (wanted - target) / deg;
   const bool principal = std::abs(written) < 360;
-  if (turning != Turning::linear && principal && written >= 0) number -= 360 * std::floor(number / 360);
+  const bool within = turning == Turning::sign || (turning == Turning::shortest && principal && written >= 0);
+  if (within) number -= 360 * std::floor(number / 360);
   if (turning != Turning::sign) return rounded(number, decimals);
   // below a full turn, and not zero where the sign must be seen
   const double last = 360 - digit(decimals);
@@ -70,10 +71,13 @@ TurnWord turn_word(Turning turning, double written, double target, double from, 
   const double off = std::abs(word.position - wanted);
   word.clamped = off > digit(decimals) * deg;
   if (off < kSameWay) return word;
-  // The other way round, or once more around: the axis stays where it is.
+  // The other way round, or once more around: the end as it was, or the axis stays where it is.
+  word.clamped = true;
+  word.number = written;
+  word.position = turn_target(turning, written, from, offset).position;
+  if (std::abs(word.position - target) < kSameWay && std::abs(wanted - target) < kSameWay) return word;
   word.number = spelled(turning, written, target, from, decimals);
   word.position = turn_target(turning, word.number, from, offset).position;
-  word.clamped = true;
   return word;
 }
 

@@ -93,6 +93,9 @@ void Comparison::compare_machine_move(const Motion& original, const Motion& outp
   ++report_.points;
   if (!same_words(original, output))
     disagree("V-END", "a move in machine coordinates (G53) must stay as it is");
+  double at = 0;
+  if (const int axis = output.end.known == kAllAxes ? model_.beyond_travel(output.end.at, &at) : -1; axis >= 0)
+    disagree("V-TRAVEL", travel_message(axis, at));
 }
 
 /// False if a withheld axis was moved (and that was reported).

@@ -202,6 +202,8 @@ void Comparison::compare_frames() {
 void Comparison::compare_motion() {
   const Motion& expected = original_.motion();
   if (context_changed_) update_context();
+  if (expected.tcp != tcp_) withheld_ = 0;  // what stood in machine coordinates has become a point of the tip
+  tcp_ = expected.tcp;
   if (stop_ || !stand(expected.turns_end, output_turns_)) return;
   if (timed_ && !(expected.kind == MotionKind::line && expected.turns() && expected.feed_mode == 940))
     return disagree_and_stop("V-FEED", "G93 in the output for a motion that needs no time of its own");

@@ -117,6 +117,7 @@ class Comparison {
     Approach approach{};
   } reached_;             ///< end of the output's last motion
   double travelled_ = 0;  ///< feed path so far, mm
+  bool tcp_ = false;
   bool timed_ = false;    ///< the output has switched to G93 for a motion that the original feeds in G94
   Turns output_turns_{};  ///< of the output after its last motion
   DeviationTally before_, after_;

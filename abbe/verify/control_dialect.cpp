@@ -49,7 +49,7 @@ bool Control::use_all(Letters letters) {
 /// Numbers without a point, where the control counts them in increments.
 bool Control::settle_numbers() {
   const Block& b = *block_;
-  Letters dimensions = letters('X', 'Y', 'Z', 'I', 'J', 'K', 'R');
+  Letters dimensions = letters('X', 'Y', 'Z', 'I', 'J', 'K', 'R', 'A', 'B', 'C');
   const int motion = b.g_code(1) >= 0 ? b.g_code(1) : mode_;
   if (is_cycle(motion)) dimensions &= ~letter_bit('K');
   const Letters open = b.pointless & dimensions;
@@ -67,7 +67,7 @@ bool Control::settle_numbers() {
   settled_ = b;
   for (std::size_t i = 0; i < 26; ++i) {
     if ((open >> i & 1) == 0) continue;
-    const bool angle = i == 'R' - 'A' && b.g_code(11) == 680;
+    const bool angle = i < 3 || (i == 'R' - 'A' && b.g_code(11) == 680);
     settled_.value[i] /= std::pow(10.0, angle ? profile_.numbers.decimals_degree : decimals);
   }
   block_ = &settled_;

@@ -1,6 +1,7 @@
 // Rotary words and tool centre point control.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "abbe/core/units.h"
@@ -10,6 +11,7 @@ namespace abbe::verifying {
 namespace {
 
 constexpr double kSamePlace = 1e-12;  // rad
+constexpr double kHome = 0.5 * deg;   // a correction, and no more
 
 constexpr char turn_letter(int axis) { return static_cast<char>('A' + axis); }
 
@@ -84,7 +86,9 @@ bool Control::switch_tcp(bool on) {
   tcp_ = on;
   // axes = map(point)
   m_.at = on ? (*back)(m_.at) : (*map)(m_.at);
-  if (m_.known != kAllAxes && turns_ != Turns{}) m_.known = 0;
+  // Turned away from home the point depends on the control's numbers alone, and on every axis.
+  const bool turned = std::any_of(turns_.begin(), turns_.end(), [](double turn) { return std::abs(turn) > kHome; });
+  if (unknown_turns_ != 0 || turned) m_.known = 0;
   for (int i = 0; i < 3; ++i)
     if ((m_.known >> i & 1) == 0) m_.at[i] = 0;
   u_ = program_of(frames_, m_);

@@ -29,6 +29,8 @@ constexpr double kRounding = 1e-6;       // of that share
 constexpr double kMaxTurn = 0.5 * deg;   // a rotary command may not be corrected by more
 constexpr double kDirectionTolerance = 30 * urad;
 constexpr double kTurnDigit = 0.5e-4 * deg;
+constexpr double kNoWay = 1e-7;   // mm: rounding of double arithmetic
+constexpr double kNoTurn = 1e-9;  // rad
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -59,10 +61,12 @@ struct Comparison::TurnCover {
   int pieces = 0;
   double s = 0, last_s = 0;     ///< foot of the last sample, and the one before
   double speed = 0;             ///< of the tip there, mm per unit of s
+  double swing = 0;             ///< of the tool axis there, rad per unit of s
   Vec3 start = Vec3::Zero(), end = Vec3::Zero();  ///< points of the output
   double worst = 0, worst_s = 0, worst_back = 0, shortfall = 0;
   double excess = 0;            ///< a start that was not corrected: may fade out
   double time = 0;
+  bool rushes = false;          ///< a piece in which F means another speed
   double askew = 0;             ///< of the tool without compensation, at the last sample, rad
   double askew_excess = 0;      ///< at the start, beyond what is allowed: axes stand as another place needed it
   double worst_direction = 0, worst_askew = 0;  ///< beyond what is allowed, and without compensation there
@@ -101,7 +105,8 @@ void Comparison::find_foot(TurnCover& cover, const TipAndAxis& is, const Turns& 
     const Vec3 swing = (ahead.tool_axis - behind.tool_axis) / (2 * kSlope);
     cover.speed = slope.norm();
     const bool by_tip = cover.speed >= kStill;
-    if (!by_tip && swing.norm() < kNoSwing) {
+    cover.swing = swing.norm();
+    if (!by_tip && cover.swing < kNoSwing) {
       double square = 0;
       cover.s = turn_share(cover.motion, turns, square);
       return;
@@ -171,7 +176,14 @@ bool Comparison::turn_piece(TurnCover& cover, const Motion& piece) {
   const bool turned_round = turn_missing < std::min(kMaxTurn, kBehind * std::sqrt(square)) &&
                             angle_between(done(piece, 1).tool_axis, meant(cover, 1).tool_axis) <= direction_allowed(original, cover.askew);
   const bool complete = still ? turned_round : cover.shortfall <= cover.allowed;
-  check_share(cover, piece, std::clamp(cover.s, 0.0, 1.0) - s_before, complete && cover.pieces == 1);
+  const double share = (complete ? 1 : std::clamp(cover.s, 0.0, 1.0)) - s_before;
+  check_share(cover, piece, share, complete && cover.pieces == 1);
+  if (piece.feed_mode == 940) {
+    // F is of the linear axes where they move, else of the rotary ones, in every piece.
+    const double whole = cover.way.norm(), meant_way = whole * share;
+    cover.rushes = cover.rushes || (whole > kNoWay ? std::abs(length - meant_way) > kFeedChange * meant_way * (1 + kRounding) + cover.excess + quantum()
+                                                   : length > quantum());
+  }
   if (cover.worst >= job_.max_correction) {
     stop_ = true;  // this piece does not belong to the original
     return true;
@@ -203,7 +215,7 @@ void Comparison::turn_sample(TurnCover& cover, const Motion& piece, double t) {
     cover.worst_s = inside;
   }
   const double back = std::max(cover.last_s - cover.s, cover.s - 1) * cover.speed;
-  if (cover.speed >= kStill && back > cover.allowed) cover.worst_back = std::max(cover.worst_back, back);
+  if (cover.speed >= kStill && back > 2 * cover.allowed) cover.worst_back = std::max(cover.worst_back, back);
 
   // the machine without compensation, at the same place
   Stance stance = model_.stance();
@@ -212,7 +224,8 @@ void Comparison::turn_sample(TurnCover& cover, const Motion& piece, double t) {
   const TipAndAxis uncorrected = model_.actual_pose(cover.motion.start.at + inside * cover.way, &cover.outside);
   const double askew = angle_between(uncorrected.tool_axis, wanted.tool_axis);
   cover.askew = askew;
-  const double fading = cover.askew_excess * (1 - inside);
+  // what the tip is off along a short path is much of a fast turn
+  const double fading = cover.askew_excess * (1 - inside) + (cover.speed < kStill ? 0 : cover.swing * cover.allowed / cover.speed);
   if (direction > direction_allowed(cover.motion, askew) + fading && !(direction - askew <= cover.worst_direction - cover.worst_askew)) {
     cover.worst_direction = direction;
     cover.worst_askew = askew;
@@ -252,8 +265,8 @@ void Comparison::check_share(TurnCover& cover, const Motion& piece, double share
     // F is of the linear axes where they move, else of the rotary ones:  1 / T = F / distance
     double angle = 0;
     for (std::size_t k = 0; k < 3; ++k) angle = std::hypot(angle, (original.turns_end[k] - original.turns_start[k]) / deg);
-    const double way = cover.way.norm() / (original_.inch() ? inch : mm);
-    per_minute = original.feed / (way > 0 ? way : angle);
+    const double way = cover.way.norm();
+    per_minute = original.feed / (way > kNoWay ? way / (original_.inch() ? inch : mm) : angle);
   }
   const double time = per_minute / piece.feed;
   cover.time += time;
@@ -271,7 +284,7 @@ void Comparison::check_turning_feed(const TurnCover& cover) {
   }
   // F is of the linear axes where they move, else of the rotary ones.
   const double way = cover.way.norm(), now = (cover.end - cover.start).norm();
-  const bool same = way > 0 ? std::abs(now - way) <= kFeedChange * way * (1 + kRounding) + cover.excess : now <= quantum();
+  const bool same = cover.rushes ? false : way > kNoWay ? std::abs(now - way) <= kFeedChange * way * (1 + kRounding) + cover.excess : now <= quantum();
   if (!same)
     disagree("V-FEED", fmt::format("the linear axes move {:.4f} mm instead of {:.4f} mm while others turn: F means another speed", now, way));
 }
@@ -282,9 +295,10 @@ bool Comparison::check_turns(const Motion& original, const Motion& output) {
     const double way = original.turns_end[k] - original.turns_start[k];
     const double its_way = output.turns_end[k] - output.turns_start[k];
     const double off = output.turns_end[k] - original.turns_end[k];
-    const bool still = way == 0 && (original.named_turns >> k & 1) == 0;
-    const bool uncommanded = original.end.known != kAllAxes;
-    if ((still && its_way != 0) || (!uncommanded && !(std::abs(off) <= kMaxTurn + kTurnDigit))) {
+    const bool uncommanded = original.end.known != kAllAxes || original.machine_words;
+    const bool named = (original.named_turns >> k & 1) != 0;
+    const bool turns_on = std::abs(way) < kNoTurn && std::abs(its_way) > kNoTurn && !(named && uncommanded);
+    if (turns_on || (!uncommanded && !(std::abs(off) <= kMaxTurn + kTurnDigit))) {
       disagree_and_stop("V-TURN", fmt::format("{} turns to {:.4f} deg here, the original to {:.4f} deg", "ABC"[k],
                                               output.turns_end[k] / deg, original.turns_end[k] / deg));
       return false;

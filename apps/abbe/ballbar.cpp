@@ -14,7 +14,7 @@
 #include "abbe/report/json_writer.h"
 #include "ballbar_source.h"
 #include "common.h"
-#include "output_files.h"
+#include "output_file.h"
 #include "verbs.h"
 
 namespace abbe::app {

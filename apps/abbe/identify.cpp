@@ -12,7 +12,7 @@
 #include "circle_plan.h"
 #include "common.h"
 #include "identify_answer.h"
-#include "output_files.h"
+#include "output_file.h"
 #include "text.h"
 #include "verbs.h"
 

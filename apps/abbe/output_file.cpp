@@ -48,6 +48,24 @@ bool publish_texts(const std::vector<OutputText>& files, Session& session) {
   return true;
 }
 
+bool write_outputs(const std::vector<OutputFile>& files, const std::vector<std::string>& inputs, Session& session) {
+  std::vector<OutputText> wanted;
+  std::vector<std::string> options;
+  bool apart = true;
+  for (const OutputFile& file : files) {
+    if (file.path.empty()) continue;
+    apart = is_apart(file.option, file.path, inputs, session) && apart;
+    for (std::size_t k = 0; k < wanted.size(); ++k) {
+      if (file.path != wanted[k].path && !same_file(file.path, wanted[k].path)) continue;
+      session.report(option_error(file.option, fmt::format("the same file as {}", options[k]), "name another file"));
+      apart = false;
+    }
+    wanted.push_back({file.path, file.text});
+    options.push_back(file.option);
+  }
+  return apart && publish_texts(wanted, session);
+}
+
 bool publish_text(const std::string& path, std::string_view text, Session& session) {
   return publish_texts({{path, std::string(text)}}, session);
 }

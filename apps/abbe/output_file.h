@@ -24,6 +24,18 @@ struct OutputText {
 /// Writes all files or none: each is complete before the first of them appears.
 bool publish_texts(const std::vector<OutputText>& files, Session& session);
 
+/// A file that a verb writes beside its answer.
+struct OutputFile {
+  std::string option;  ///< that named it: "--svg"
+  std::string path;    ///< empty: not asked for
+  std::string text;
+};
+
+/// Writes all that are asked for, or none. Refuses (before anything is written) a path that is an input, another
+/// output, or standard output.
+[[nodiscard]] bool write_outputs(const std::vector<OutputFile>& files, const std::vector<std::string>& inputs,
+                                 Session& session);
+
 /// Writes `text` to a file that appears whole or not at all; false after reporting why not.
 bool publish_text(const std::string& path, std::string_view text, Session& session);
 

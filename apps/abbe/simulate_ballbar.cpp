@@ -9,7 +9,7 @@
 #include "abbe/core/units.h"
 #include "circle_plan.h"
 #include "common.h"
-#include "output_files.h"
+#include "output_file.h"
 #include "simulate.h"
 
 namespace abbe::app {
