@@ -281,13 +281,14 @@ bool Rewriter::choose_turning_feed(const Move& move, const Stop& start, const st
   double angle = 0;
   for (std::size_t k = 0; k < 3; ++k) angle = std::hypot(angle, (move.turns1[k] - move.turns0[k]) / deg);
   const double distance = linear ? whole / modal_.unit() : angle;
-  if (modal_.feed_mode == 940 && modal_.has_feed && modal_.feed > 0) {
+  const bool states_mode = instruction_.feed_mode >= 0;  // a G94 of its own would take the time back
+  if (modal_.feed_mode == 940 && !states_mode && modal_.has_feed && modal_.feed > 0) {
     timed_feed_ = modal_.feed / distance;
     return true;
   }
   refuse_block("E-ROTFEED", fmt::format("a correction changes the way of the linear axes ({:.4f} mm) while rotary axes turn", whole),
                "the control's F is of the linear axes where these move: the rotary axes would turn at another speed",
-               "post with inverse time (G93)");
+               states_mode ? "put G94 into a block of its own" : "post with inverse time (G93)");
   return false;
 }
 
@@ -298,11 +299,7 @@ void Rewriter::write_timed(const Move& move, const std::vector<Piece>& pieces, s
   const char* const slash = block_.slash ? "/" : "";
   eol_ = inner_eol;
   out += fmt::format("{}G93{}", slash, inner_eol);
-  // The block's own G94 would take the time back, and what acts after the motion comes behind it.
-  for (int i = 0; i < block_.count; ++i) {
-    const Word& word = block_.words[static_cast<std::size_t>(i)];
-    if (word.letter == 'G' && word.value == 94) edit_.remove(word);
-  }
+  // what acts after the motion comes behind it
   stops_to_last(true, nullptr);
   write_pieces(move, pieces, out);
   eol_ = line_eol;

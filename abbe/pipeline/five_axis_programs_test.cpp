@@ -227,5 +227,76 @@ TEST(FiveAxisPrograms, OppositeErrorsAreNotVerified) {
   }
 }
 
+// What a review found: programs that must come out right, or not at all.
+const char* const kTable = R"(
+format = 1
+[machine]
+chain = "w C A b Y X Z t"
+[axis.Z]
+range = [-600, 600]
+[axis.A]
+direction = [1, 0, 0]
+origin = [0, 5, -100]
+range = [-110, 110]
+errors_seen = "body"
+[axis.C]
+direction = [0, 0, 1]
+errors_seen = "body"
+[tool]
+origin = [0, 0, 100]
+length = 120
+[control]
+mode = "axis"
+codes = { M428 = "tcp", M429 = "axis" }
+[errors]
+EXX = { poly = [0, 0.05] }
+EC0Y = 30
+EB0A = 25
+EZ0A = -9
+EA0C = 22
+EX0C = 14
+EAC = { sine = [12, 0.0174533, 1.0] }
+EBA = { sine = [15, 0.0174533, 0.4] }
+)";
+const std::string kStart = "G21 G90 G94 G17 G54\nG0 X10 Y20 Z50 A0 C0\n";
+
+struct TurningCase {
+  const char* name;
+  std::string program;
+  ProgramEnd end;
+  std::string code;   ///< among the findings
+  std::string holds;  ///< part of the output
+};
+
+class TurningCases : public ::testing::TestWithParam<TurningCase> {};
+
+TEST_P(TurningCases, ComeOutRightOrNotAtAll) {
+  const TurningCase& one = GetParam();
+  const Case result = run(kTable, one.program);
+  EXPECT_EQ(result.outcome.end, one.end) << findings(result.outcome) << result.output;
+  EXPECT_NE(findings(result.outcome).find(one.code), std::string::npos) << findings(result.outcome);
+  EXPECT_NE(result.output.find(one.holds), std::string::npos) << result.output;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    FiveAxis, TurningCases,
+    ::testing::Values(
+        TurningCase{"TcpWhileARotaryAxisIsUnknown", kStart + "A30\nT1 M6\nG0 X10 Y20 Z50\nM428\nG0 A0 C0\nG1 X40 F500\nM2\n",
+                    ProgramEnd::refused, "E-POS", ""},
+        TurningCase{"TcpOnTurnedAxesNeedsAllLinearOnes", kStart + "A30\nM428\nG1 X40 F500\nM2\n", ProgramEnd::refused, "E-POS", ""},
+        TurningCase{"TcpOnTurnedAxesThenAllNamed", kStart + "A30\nM428\nG0 X40 Y20 Z60\nG1 X30 F500\nM2\n", ProgramEnd::done, "", "M428\nG0 X"},
+        TurningCase{"RotaryFeedThatReturnsToItsStart", kStart + "G1 C360 F360\nM2\n", ProgramEnd::done, "", "\nG93\n"},
+        TurningCase{"StopBehindAStatedTime", kStart + "G1 A20 F300 M9\nM2\n", ProgramEnd::done, "", "\nG94 F300.0"},
+        TurningCase{"EndBehindAStatedTime", kStart + "G1 A20 F300 M2\n", ProgramEnd::done, "", "\nG94 F300.0 M2\n"},
+        TurningCase{"OwnG94OfATimedBlock", kStart + "G93 G1 X11 F5\nG94 G1 A20 F300\nM2\n", ProgramEnd::refused, "E-ROTFEED", ""},
+        TurningCase{"FeedOfManyDigits", kStart + "G1 A20 F7.874015\nM2\n", ProgramEnd::done, "", "\nG94 F7.874015\n"},
+        TurningCase{"NamedLinearAxesThatStand", kStart + "G91 G1 X0 Y0 Z0 A10 F300\nG90 X10 Y20 Z50 A20\nM2\n", ProgramEnd::done, "", "G93"},
+        TurningCase{"MachineMoveThenTcp", kStart + "G53 G0 Z200\nM428\nG0 X10 Y20 A30 C40\nZ50\nG1 X12 F500\nM2\n", ProgramEnd::done, "", "G53 G0 Z200"},
+        TurningCase{"MachineTurnInTcp", kStart + "M428\nG53 G0 A10\nM2\n", ProgramEnd::refused, "E-TCP", ""},
+        TurningCase{"MachineMoveBeyondTheTravel", kStart + "G53 G0 Z700\nM2\n", ProgramEnd::outside, "E-TRAVEL", ""},
+        TurningCase{"MachineTurnBeyondTheTravel", kStart + "G53 G0 A115\nM2\n", ProgramEnd::outside, "E-TRAVEL", ""},
+        TurningCase{"IncrementsFromAPlaceThatIsCopied", kStart + "A30 C20\nG91 G28 X0\nG0 A5 C5\nG90 G0 X10 Y20 Z50\nM2\n", ProgramEnd::done, "", "G91"}),
+    [](const auto& test) { return std::string(test.param.name); });
+
 }  // namespace
 }  // namespace abbe
