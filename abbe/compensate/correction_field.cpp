@@ -26,6 +26,7 @@ constexpr double kOpenTravel = 3000;
 constexpr std::size_t kMaxKnots = 20000;
 // A command may leave its range by the rounding of its digits.
 constexpr double kTravelSlack = 1e-6;
+
 std::vector<double> knots_of(const Machine& machine, int axis) {
   const double unit = machine.axis_unit(axis);
   const auto& range = machine.axis(axis).range;
@@ -65,7 +66,7 @@ CorrectionField::CorrectionField(const Plan& plan, const AddressedAxes& axes, bo
   for (const auto& error : machine.errors) directional_ = directional_ || error.function.is_directional();
   turn_options_.position_tolerance = kTolerance;
   turn_options_.rotation_tolerance = kTurnTolerance;
-  refresh();
+  refresh_datum();
 }
 
 /// A rotary position as the model knows it: an axis that counts modulo a turn stays within one.
@@ -85,12 +86,12 @@ Query CorrectionField::query(const Vec3& axes, const Turns& turns) const {
 
 void CorrectionField::set_tool(const Tool& tool) {
   tool_ = tool;
-  refresh();
+  refresh_datum();
 }
 
 void CorrectionField::set_datum_point(const Vec3& m0) {
   datum_point_ = m0;
-  refresh();
+  refresh_datum();
 }
 
 void CorrectionField::set_control_length(double length) {
@@ -124,6 +125,10 @@ void CorrectionField::refresh() {
   independent_ = independent_ && back.has_value();
   if (back) inverse_axes_ = back->A;
   path_query_ = query(Vec3::Zero(), stance_.standing);
+}
+
+void CorrectionField::refresh_datum() {
+  refresh();
   datum_ = Vec3::Zero();
   if (!probed_) return;
   // D0 = tip_actual(m0) - tip_believed(m0), rotary axes at zero

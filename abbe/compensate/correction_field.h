@@ -85,6 +85,7 @@ class CorrectionField {
 
  private:
   void refresh();
+  void refresh_datum();
   [[nodiscard]] Query query(const Vec3& axes, const Turns& turns) const;
   [[nodiscard]] double model_turn(std::size_t k, double turn) const;
   [[nodiscard]] int beyond_travel(const Vec3& axes) const;

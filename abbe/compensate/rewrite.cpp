@@ -32,6 +32,12 @@ RewriteReport rewrite_program(const Plan& plan, const RewriteJob& job, SpoolFile
                                             "describe X, Y and Z, or set `address` in the machine file"));
     return report;
   }
+  for (const int axis : axes.linear) {
+    if (plan.machine().axis(axis).correctable) continue;
+    report.diagnostics.push_back(whole_file(job.name, "E-MACHINE", fmt::format("axis {} is not correctable", plan.machine().axis(axis).name),
+                                            "a program is corrected by X, Y and Z together: allow it (`correctable`), or ask `abbe correct`"));
+    return report;
+  }
   auto opened = LineReader::open(job.path, false);
   if (auto* error = std::get_if<FileError>(&opened)) {
     report.diagnostics.push_back(whole_file(job.name, "E-FILE", error->message, "check the path and the permissions"));

@@ -395,5 +395,13 @@ TEST(Rewrite, ARefusedCycleIsSaidOnce) {
   EXPECT_EQ(lines, (std::vector<std::size_t>{2, 6})) << result.findings();
 }
 
+TEST(Rewrite, AnAxisThatMayNotBeCorrectedIsNotMoved) {
+  Machine machine = three_axes({{"EXX", poly(0, {0.01})}});
+  machine.bodies[2].correctable = false;
+  const auto result = rewrite(machine, "G21 G90\nG0 X0 Y0 Z0\nM2\n");
+  EXPECT_TRUE(result.has("E-MACHINE")) << result.findings();
+  EXPECT_FALSE(result.report.complete);
+}
+
 }  // namespace
 }  // namespace abbe

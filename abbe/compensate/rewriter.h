@@ -134,6 +134,7 @@ class Rewriter {
     Vec3 m = Vec3::Zero();
     Turns turns{};
     std::array<double, 3> numbers{};
+    Turns cut_short{};     ///< corrections that would have turned an axis another way, rad
     double direction = 0;  ///< what is left between the tool axes, rad
     bool held = false;
   };

@@ -92,7 +92,6 @@ void Rewriter::motion(std::string& out) {
   if (!read_move(move)) return;
   refresh_datum();
   const bool machine_frame = instruction_.zero == 530;
-  const Turns turns_before = out_.turns;
   if (!machine_frame) keep_turns(move);
   if (machine_frame) {
     withheld_ |= move.named & 7u;
@@ -115,6 +114,7 @@ void Rewriter::motion(std::string& out) {
     withheld_ &= ~move.named;
     if (move.turns()) {
       refuse_block("E-ROTARY", "a rotary axis turns along an arc", "how the control joins both motions is not known", "post such paths as lines");
+      out_.turns = move.turns1;
     } else if (arc(move, out)) {
       return;
     }
@@ -128,7 +128,7 @@ void Rewriter::motion(std::string& out) {
   }
   in_.m = move.m1;
   in_.turns = move.turns1;
-  if (in_.turns != move.turns0 || out_.turns != turns_before) stand(in_.turns, out_.turns);
+  stand(in_.turns, out_.turns);
   known_ = move.known1;
   last_correction_.reset();
   start_corrected_ = false;

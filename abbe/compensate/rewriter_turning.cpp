@@ -15,7 +15,7 @@ namespace {
 // A turning move is looked into at least this often.
 constexpr double kLookSpacing = 10;  // mm
 constexpr double kLookTurn = 2 * deg;
-constexpr int kFewestLooks = 3, kMostLooks = 64;
+constexpr int kFewestLooks = 3, kMostLooks = 2000;
 constexpr int kDeepest = 12;
 // Between two stops the tool axis may be farther off than at both by this, rad.
 constexpr double kDirectionTolerance = 20 * urad;
@@ -211,10 +211,7 @@ std::optional<Rewriter::Stop> Rewriter::stop_at(const Move& move, double s, cons
     } else {
       word = turn_word(turning_of(k), named->value, move.turns1[i], from[i], answer.turns[i], offsets[i], turn_decimals(k));
     }
-    if (word.clamped) {
-      warn("W-TURN", fmt::format("{}: the correction of {:.4f} deg is cut short", "ABC"[k], (answer.turns[i] - turns[i]) / deg),
-           "it would turn the axis the other way, or once more around", "none is needed: what is left of the direction is in the report");
-    }
+    if (word.clamped) stop.cut_short[i] = answer.turns[i] - turns[i];
     stop.turns[i] = word.position;
     stop.numbers[i] = word.number;
   }
@@ -282,7 +279,9 @@ bool Rewriter::choose_turning_feed(const Move& move, const Stop& start, const st
   for (std::size_t k = 0; k < 3; ++k) angle = std::hypot(angle, (move.turns1[k] - move.turns0[k]) / deg);
   const double distance = linear ? whole / modal_.unit() : angle;
   const bool states_mode = instruction_.feed_mode >= 0;  // a G94 of its own would take the time back
-  if (modal_.feed_mode == 940 && !states_mode && modal_.has_feed && modal_.feed > 0) {
+  constexpr std::size_t inverse_time = 930;
+  const bool may_state_times = profile_.g[inverse_time].meaning == Meaning::inverse_time;
+  if (may_state_times && modal_.feed_mode == 940 && !states_mode && modal_.has_feed && modal_.feed > 0) {
     timed_feed_ = modal_.feed / distance;
     return true;
   }
@@ -318,11 +317,18 @@ bool Rewriter::turn(const Move& move, std::string& out) {
     return false;
   }
   follow(move.m1 - move.m0, move.known0);
-  Stop start{0, out_.m, out_.turns, {}, 0, false};
+  Stop start;
+  start.m = out_.m;
+  start.turns = out_.turns;
   start.direction = field_.miss(move.m0, start.m).direction;
   const auto end = stop_at(move, 1, out_.turns);
   if (!end) return false;
   last_correction_.reset();  // the tip's error turns with the axes: no gradient along this move
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (end->cut_short[k] == 0) continue;
+    warn("W-TURN", fmt::format("{}: the correction of {:.4f} deg is cut short", "ABC"[k], end->cut_short[k] / deg),
+         "it would turn the axis the other way, or once more around", "none is needed: what is left of the direction is in the report");
+  }
   const Vec3 nominal_axes = field_.commanded_axes(move.m1);
   note_correction(move.m1, field_.standing_axes(end->m) - nominal_axes);
   std::vector<Stop> stops;

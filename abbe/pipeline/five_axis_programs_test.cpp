@@ -113,7 +113,7 @@ class Writer {
   void block(bool inverse_time) {
     const std::string g93 = inverse_time ? "G93 " : "", f = inverse_time ? fmt::format(" F{:.2f}", random_.between(1, 6)) : "";
     const std::string after = inverse_time ? "\nG94 F800" : "";
-    switch (random_.below(8)) {
+    switch (random_.below(9)) {
       case 0: text_ += "G0" + moved(linear(60) + turning(40)); break;
       case 1: text_ += "G1" + moved(linear(100)); break;
       case 2: text_ += fmt::format("N{} G1 M8{} (turned)\n", random_.below(900), moved(turning(30), false)); break;
@@ -121,6 +121,7 @@ class Writer {
         at_.x() = std::round((at_.x() + 6) * 1e3) / 1e3;
         text_ += fmt::format("G2 X{:.3f} I3 J0\n", at_.x());
         break;
+      case 8: text_ += fmt::format("G98 G81 X{:.3f} Y{:.3f} R{:.3f} Z{:.3f}\nG80\n", at_.x(), at_.y(), at_.z() - 1, at_.z() - 3); break;
       default: {
         at_.x() = std::round((at_.x() + (at_.x() > 0 ? -30 : 30)) * 1e3) / 1e3;
         text_ += fmt::format("{}G1 X{:.3f}{}{}{}\n", g93, at_.x(), turning(25), f, after);
@@ -155,6 +156,7 @@ ProgramJob job_of(const std::string& stem) {
   job.header = HeaderForm::none;
   job.setup.work_offsets[0] = WorkOffset{{30, -20, 15}, 0, {}};
   job.setup.tools[1] = ToolEntry{1, 1, {0, 0, kToolLength}, kToolLength, 10, ""};
+  job.setup.tools[2] = ToolEntry{2, 2, {0, 0, kToolLength + 40}, kToolLength + 40, 10, ""};
   return job;
 }
 
@@ -292,6 +294,9 @@ INSTANTIATE_TEST_SUITE_P(
         TurningCase{"FeedOfManyDigits", kStart + "G1 A20 F7.874015\nM2\n", ProgramEnd::done, "", "\nG94 F7.874015\n"},
         TurningCase{"NamedLinearAxesThatStand", kStart + "G91 G1 X0 Y0 Z0 A10 F300\nG90 X10 Y20 Z50 A20\nM2\n", ProgramEnd::done, "", "G93"},
         TurningCase{"MachineMoveThenTcp", kStart + "G53 G0 Z200\nM428\nG0 X10 Y20 A30 C40\nZ50\nG1 X12 F500\nM2\n", ProgramEnd::done, "", "G53 G0 Z200"},
+        TurningCase{"AnotherLengthInTcp", kStart + "G43 H1\nM428\nG0 A30 X10 Y20 Z50\nG43 H2\nG0 X10 Y20 Z90\nG1 A35 X12 F300\nM2\n", ProgramEnd::done, "", "G43 H2"},
+        TurningCase{"AnotherLengthInTcpNamesNothing", kStart + "G43 H1\nM428\nG0 A30 X10 Y20 Z50\nG43 H2\nG1 A35 F300\nM2\n", ProgramEnd::refused, "E-POS", ""},
+        TurningCase{"ArcAndHoleOnATurnedTable", kStart + "G0 A15 C40\nG2 X14 I2 J0 F200\nG98 G81 X10 Y20 R48 Z45\nG80\nM2\n", ProgramEnd::done, "", "G81"},
         TurningCase{"MachineTurnInTcp", kStart + "M428\nG53 G0 A10\nM2\n", ProgramEnd::refused, "E-TCP", ""},
         TurningCase{"MachineMoveBeyondTheTravel", kStart + "G53 G0 Z700\nM2\n", ProgramEnd::outside, "E-TRAVEL", ""},
         TurningCase{"MachineTurnBeyondTheTravel", kStart + "G53 G0 A115\nM2\n", ProgramEnd::outside, "E-TRAVEL", ""},

@@ -79,7 +79,7 @@ std::unique_ptr<abbe_rt_model> load(const char* machine_file, const char* sensor
     return nullptr;
   }
   auto model = std::make_unique<abbe_rt_model>();
-  model->machine = std::move(*parsed.value);
+  model->machine = as_controlled(*parsed.value);
   if (const auto names = errors_of_one_test(model->machine); !names.empty()) {
     why = names.front() + " is true of one test only (scope = \"test\"): it may not move the machine";
     return nullptr;

@@ -77,7 +77,7 @@ class Comparison {
   void turn_sample(TurnCover& cover, const Motion& piece, double t);
   void find_foot(TurnCover& cover, const TipAndAxis& is, const Turns& turns);
   TipAndAxis meant(const TurnCover& cover, double s);
-  TipAndAxis done(const Motion& piece, double t);
+  TipAndAxis done(TurnCover& cover, const Motion& piece, double t);
   void conclude_turning(TurnCover& cover);
   void check_share(TurnCover& cover, const Motion& piece, double share, bool whole);
   void check_turning_feed(const TurnCover& cover);

@@ -88,12 +88,11 @@ TipAndAxis Comparison::meant(const TurnCover& cover, double s) {
 }
 
 /// Tip and tool axis of the machine at t of a piece of the output.
-TipAndAxis Comparison::done(const Motion& piece, double t) {
+TipAndAxis Comparison::done(TurnCover& cover, const Motion& piece, double t) {
   Stance stance = model_.stance();
   stance.output = along(piece.turns_start, piece.turns_end, t);
   model_.stand(stance);
-  bool outside = false;
-  return model_.actual_pose(piece.start.at + t * (piece.end.at - piece.start.at), &outside);
+  return model_.actual_pose(piece.start.at + t * (piece.end.at - piece.start.at), &cover.outside);
 }
 
 /// The place of the original's path nearest to a tip, by Gauss-Newton from the last one. Where the tip stands still
@@ -153,9 +152,9 @@ bool Comparison::turn_piece(TurnCover& cover, const Motion& piece) {
   const double s_before = first ? 0 : std::clamp(cover.s, 0.0, 1.0);
   if (first) {
     cover.start = piece.start.at;
-    const double off = (done(piece, 0).position - meant(cover, 0).position).norm();
+    const double off = (done(cover, piece, 0).position - meant(cover, 0).position).norm();
     cover.excess = std::max(0.0, off - cover.allowed);
-    const double askew = angle_between(done(piece, 0).tool_axis, meant(cover, 0).tool_axis);
+    const double askew = angle_between(done(cover, piece, 0).tool_axis, meant(cover, 0).tool_axis);
     cover.askew_excess = std::max(0.0, askew - direction_allowed(original, 0));
   }
   double turned = 0;
@@ -174,7 +173,7 @@ bool Comparison::turn_piece(TurnCover& cover, const Motion& piece) {
   cover.shortfall = (1 - cover.s) * (still ? 0 : cover.speed);
   const double turn_missing = std::abs(turn_left) * std::sqrt(square);
   const bool turned_round = turn_missing < std::min(kMaxTurn, kBehind * std::sqrt(square)) &&
-                            angle_between(done(piece, 1).tool_axis, meant(cover, 1).tool_axis) <= direction_allowed(original, cover.askew);
+                            angle_between(done(cover, piece, 1).tool_axis, meant(cover, 1).tool_axis) <= direction_allowed(original, cover.askew);
   const bool complete = still ? turned_round : cover.shortfall <= cover.allowed;
   const double share = (complete ? 1 : std::clamp(cover.s, 0.0, 1.0)) - s_before;
   check_share(cover, piece, share, complete && cover.pieces == 1);
@@ -191,7 +190,7 @@ bool Comparison::turn_piece(TurnCover& cover, const Motion& piece) {
   if (!complete) return false;
 
   const TipAndAxis end = meant(cover, 1);
-  const double off = (done(piece, 1).position - end.position).norm();
+  const double off = (done(cover, piece, 1).position - end.position).norm();
   if (!(off <= cover.allowed))
     disagree("V-END", fmt::format("this motion ends {:.3f} um from its target, {:.3f} um are allowed", off / um, cover.allowed / um));
   if (!check_turns(original, piece)) return true;
@@ -201,7 +200,7 @@ bool Comparison::turn_piece(TurnCover& cover, const Motion& piece) {
 
 /// One sample of the output: where on the original it is, and how far off.
 void Comparison::turn_sample(TurnCover& cover, const Motion& piece, double t) {
-  const TipAndAxis is = done(piece, t);
+  const TipAndAxis is = done(cover, piece, t);
   const Turns turns = along(piece.turns_start, piece.turns_end, t);
   cover.last_s = cover.s;
   find_foot(cover, is, turns);

@@ -195,7 +195,7 @@ class Solver {
 };
 
 void cl_correct(const ClCorrectArguments& arguments, Session& session) {
-  std::optional<Setting> setting = load_setting(arguments.common, session);
+  std::optional<Setting> setting = load_controlled_setting(arguments.common, session);
   if (!setting) return;
   Diagnostics diagnostics;
   PathOptions options;

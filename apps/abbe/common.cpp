@@ -321,6 +321,12 @@ std::optional<Setting> load_setting(const CommonArguments& arguments, Session& s
   return setting;
 }
 
+std::optional<Setting> load_controlled_setting(const CommonArguments& arguments, Session& session) {
+  auto setting = load_setting(arguments, session);
+  if (setting) setting->machine = as_controlled(setting->machine);
+  return setting;
+}
+
 std::optional<Plan> plan_or_report(const Setting& setting, const Environment& environment, Session& session) {
   std::variant<Plan, MissingSensors> made = make_plan(setting.machine, environment, setting.model);
   if (auto* plan = std::get_if<Plan>(&made)) return std::move(*plan);

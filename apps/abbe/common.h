@@ -86,6 +86,9 @@ struct Setting {
 /// Reads everything the common options name; nullopt after reporting all mistakes.
 [[nodiscard]] std::optional<Setting> load_setting(const CommonArguments& arguments, Session& session);
 
+/// The same for verbs that move the machine: without the errors that its control corrects itself.
+[[nodiscard]] std::optional<Setting> load_controlled_setting(const CommonArguments& arguments, Session& session);
+
 /// Reads a file, or standard input for "-"; nullopt after reporting why not.
 [[nodiscard]] std::optional<std::string> read_input(const std::string& path, Session& session);
 

@@ -221,7 +221,7 @@ std::string table_row(const Setting& setting, const Query& query, const Correcti
 }
 
 void correct_points(const CorrectArguments& arguments, Session& session) {
-  const std::optional<Setting> setting = load_setting(arguments.common, session);
+  const std::optional<Setting> setting = load_controlled_setting(arguments.common, session);
   if (!setting) return;
   Diagnostics diagnostics;
   CorrectOptions options;

@@ -64,7 +64,7 @@ std::string point_text(const Machine& machine, const ToolPose& pose, const Inver
 }
 
 void inverse_poses(const InverseArguments& arguments, Session& session) {
-  const std::optional<Setting> setting = load_setting(arguments.common, session);
+  const std::optional<Setting> setting = load_controlled_setting(arguments.common, session);
   if (!setting) return;
   const Machine& machine = setting->machine;
   Diagnostics diagnostics;

@@ -152,7 +152,7 @@ bool settle_files(CommonArguments& arguments, const std::vector<std::string*>& f
 }
 
 std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, const std::string& program, Session& session) {
-  auto setting = load_setting(a.common, session);
+  auto setting = load_controlled_setting(a.common, session);
   if (!setting) return std::nullopt;
   const double unit = setting->machine.units.length;
   Diagnostics findings;
@@ -186,14 +186,12 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, co
   using BlockDelete = ControlSetup::BlockDelete;
   if (!a.block_delete.empty()) setup.block_delete = a.block_delete == "on" ? BlockDelete::on : BlockDelete::off;
   if (!a.common.approach.empty()) findings.push_back(option_error("--approach", "a program states its own directions", "leave it out; --reversal uses them"));
-  if (a.common.limit_angle_deg) findings.push_back(option_error("--limit-angle-deg", "three linear axes cannot correct the tool's direction", "leave it out, or ask `abbe predict`"));
+  if (a.common.limit_angle_deg) findings.push_back(option_error("--limit-angle-deg", "the direction of the tool is reported (tool_axis), not judged: three linear axes cannot correct it", "leave it out, or ask `abbe predict`"));
   std::optional<ClSetting> cl;
   if (is_cl) cl = read_cl_setting(a.cl, a.profile.units, setting->machine, setup, findings);
   if (cl && a.reversal) findings.push_back(option_error("--reversal", "CL data do not say from which side the machine's axes come", "leave it out: the mean of both directions is corrected"));
   session.report(findings);
   if (!findings.empty() || !good) return std::nullopt;
-  // what the control corrects itself is not corrected again
-  setting->machine = as_controlled(setting->machine);
   auto plan = plan_or_report(*setting, setting->environment, session);
   if (!plan) return std::nullopt;
 
