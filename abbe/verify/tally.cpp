@@ -5,12 +5,16 @@
 
 namespace abbe::verifying {
 
+// Of places that are equally bad the first is named, whatever the last digits of a processor say.
+constexpr double kMoreThanRounding = 1 + 1e-9;
+
 void DeviationTally::add(const Vec3& deviation, double weight, std::uint64_t line) {
   const double square = deviation.squaredNorm();
   squares_ += weight * square;
   weights_ += weight;
-  if (square > worst_.max * worst_.max) {
-    worst_.max = std::sqrt(square);
+  worst_.max = std::max(worst_.max, std::sqrt(square));
+  if (square > marked_ * kMoreThanRounding) {
+    marked_ = square;
     worst_.max_line = line;
   }
   for (std::size_t i = 0; i < 3; ++i)

@@ -16,6 +16,7 @@ class DeviationTally {
  private:
   DeviationSummary worst_;
   double squares_ = 0, weights_ = 0;
+  double marked_ = 0;  ///< square of the deviation at max_line
 };
 
 /// At most `limit` samples, evenly spread over however many come: every n-th is kept, and when there is
