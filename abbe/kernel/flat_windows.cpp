@@ -12,9 +12,11 @@ constexpr double kUnit = 0x1p-24;
 constexpr float kNever = std::numeric_limits<float>::infinity();
 /// How far beyond its last knot a table is used at most, mm or rad; halved until the bound holds.
 constexpr double kMostReach = 0x1p14, kLeastReach = 0x1p-10;
-/// Widths that differ by less than this part are equal: a knot missed by it is missed by rounding of
-/// positions, too.
+/// Widths that differ by less than this part are equal.
 constexpr double kSameWidth = 0x1p-22;
+/// By which part of its position a knot may be missed: by comparisons (it is rounded, and so is the position)
+/// and by the product (widths, the margin of segments_per_unit, rounding).
+constexpr double kMissedByComparison = 2 * kUnit, kMissedByProduct = 4 * kSameWidth;
 /// A step below this part of the bounds is rounding of splines and of tabulated sines.
 constexpr double kNoStep = 0.5;
 
@@ -33,7 +35,7 @@ class Window {
     hi_ = repeats ? table.period_lo + table.period : std::min(table.hi, table.waves_hi);
     for (reach_ = kMostReach; reach_ >= kLeastReach && !precise(); reach_ /= 2) {
     }
-    usable_ = reach_ >= kLeastReach && !makes_step();
+    usable_ = reach_ >= kLeastReach && joins(kMissedByComparison);
   }
 
   void append_to(std::vector<WindowRow>& rows) const {
@@ -77,7 +79,7 @@ class Window {
   /// Rounded down by so much that no x <= end is in a segment behind the last one.
   [[nodiscard]] float segments_per_unit() const {
     const double width = end(0) - begin(0);
-    if (!(width > 0)) return 0;
+    if (!(width > 0) || !joins(kMissedByProduct)) return 0;
     for (std::uint32_t k = 0; k < count_; ++k) {
       const double limit = kSameWidth * width;
       const bool same = std::abs(begin(k) - base_ - k * width) <= limit &&
@@ -118,19 +120,30 @@ class Window {
     return true;
   }
 
-  /// p_(k-1) at the knot k is not p_k there.
-  [[nodiscard]] bool makes_step() const {
+  /// p_(k-1) is p_k at the knot k, and does not leave it too far where the knot is missed by `part` of its
+  /// position x:
+  ///   |p_(k-1) - p_k| is rounding,   part x |p_(k-1)' - p_k'| <= what single precision may miss
+  [[nodiscard]] bool joins(double part) const {
     for (std::uint32_t k = 1; k < count_; ++k) {
       if (!(origin(k) > lo_ && origin(k) < hi_)) continue;
-      const double t = origin(k) - origin(k - 1);
-      for (int component = 0; component < kComponents; ++component) {
-        double value = 0;
-        for (std::uint32_t power = table_.row_count; power-- > 0;)
-          value = value * t + coefficient(k - 1, power, component);
-        if (!(std::abs(value - coefficient(k, 0, component)) <= kNoStep * most(component))) return true;
-      }
+      for (int component = 0; component < kComponents; ++component)
+        if (!joins(k, component, part * (origin(k) - base_))) return false;
     }
-    return false;
+    return true;
+  }
+
+  [[nodiscard]] bool joins(std::uint32_t k, int component, double missed) const {
+    const double t = origin(k) - origin(k - 1), next = coefficient(k, 0, component);
+    double value = 0, slope = 0, terms = 0;
+    for (std::uint32_t power = table_.row_count; power-- > 0;) {
+      const double c = coefficient(k - 1, power, component);
+      slope = slope * t + value;
+      value = value * t + c;
+      terms = terms * t + std::abs(c);
+    }
+    const double bend = slope - (table_.row_count > 1 ? coefficient(k, 1, component) : 0.0);
+    return std::abs(value - next) <= kNoStep * most(component) &&
+           missed * std::abs(bend) <= most(component) + kSinglePart * terms;
   }
 
   const FlatTable& table_;

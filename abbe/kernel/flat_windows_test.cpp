@@ -50,6 +50,17 @@ struct Cubics {
     for (std::uint32_t power = kRows; power-- > 0;) sum = sum * t + coefficient(i, power, component);
     return sum;
   }
+  /// The same constant everywhere.
+  void make_level() { make_zigzag(0); }
+  /// Straight lines up and down, from and to 0.02 mm at even knots.
+  void make_zigzag(double slope) {
+    std::fill(rows.begin(), rows.end(), 0.0);
+    for (std::uint32_t i = 0; i < kSegments; ++i) {
+      const double sign = i % 2 == 0 ? 1 : -1;
+      coefficient(i, 1, 0) = -sign * slope;
+      coefficient(i, 0, 0) = i == 0 ? 0.02 : value(i - 1, 0, knots[i] - knots[i - 1]);
+    }
+  }
   double terms(std::uint32_t i, int component, double t) {
     double sum = 0;
     for (std::uint32_t power = 0; power < kRows; ++power)
@@ -100,7 +111,8 @@ TEST(FlatWindows, KeepTheirBound) {
 }
 
 TEST(FlatWindows, FindEquallyWideSegmentsByAProduct) {
-  const Cubics cubics(0, 0);
+  Cubics cubics(0, 0);
+  cubics.make_level();
   const std::vector<WindowRow> rows = windows_of(cubics.table);
   std::mt19937 random(9);
   std::uniform_real_distribution<double> inside(0, 10.0 * kWindow);
@@ -116,7 +128,43 @@ TEST(FlatWindows, FindEquallyWideSegmentsByAProduct) {
     }
   }
   EXPECT_EQ(row(rows, 0, 2).value[1], 0);
-  EXPECT_EQ(row(windows_of(Cubics(0).table), kWindowStep, 2).value[1], 0);
+  Cubics unequal(0);
+  unequal.make_level();
+  EXPECT_EQ(row(windows_of(unequal.table), kWindowStep, 2).value[1], 0);
+}
+
+/// Its segment in the window as the kernel finds it.
+std::uint32_t segment_of(const std::vector<WindowRow>& rows, std::uint32_t first, float x) {
+  const float per_unit = row(rows, first, 2).value[1];
+  if (per_unit > 0) return static_cast<std::uint32_t>(x * per_unit);
+  std::uint32_t k = 0;
+  while (k + 1 < kWindow && x >= row(rows, first, 0).value[k + 1]) ++k;
+  return k;
+}
+
+/// Slopes that jump: a knot that is missed shows. Steep ones are left to comparisons, flat ones to the product.
+TEST(FlatWindows, KeepTheirBoundAtKnots) {
+  std::mt19937 random(10);
+  std::uniform_real_distribution<double> near(-1e-4, 1e-4);
+  for (const double slope : {0.004, 2e-5}) {
+    Cubics cubics(0, 0);
+    cubics.make_zigzag(slope);
+    const std::vector<WindowRow> rows = windows_of(cubics.table);
+    for (std::uint32_t first = kWindowStep; first + kWindow < Cubics::kSegments; first += kWindowStep) {
+      ASSERT_EQ(row(rows, first, 2).value[1] > 0, slope < 1e-4);
+      for (int i = 0; i < 2000; ++i) {
+        const std::uint32_t knot = first + 1 + static_cast<std::uint32_t>(random() % (kWindow - 1));
+        const double q = cubics.knots[knot] + near(random), x = q - cubics.knots[first];
+        const std::uint32_t k = segment_of(rows, first, static_cast<float>(x));
+        const float t = static_cast<float>(x) - row(rows, first, 1).value[k];
+        const float single =
+            row(rows, first, 3 + 2 * kComponents).value[k] * t + row(rows, first, 3 + 3 * kComponents).value[k];
+        const std::uint32_t true_segment = q >= cubics.knots[knot] ? knot : knot - 1;
+        const double expected = cubics.value(true_segment, 0, q - cubics.knots[true_segment]);
+        ASSERT_NEAR(single, expected, 2 * (kSingleMm + kSinglePart * 0.02)) << slope << " " << x;
+      }
+    }
+  }
 }
 
 TEST(FlatWindows, LeaveStepsToDoublePrecision) {

@@ -270,6 +270,8 @@ TEST(Kernels, BatchesInSinglePrecisionAreTheFirstOrderStep) {
     const Batch batch(queries, machine.axis_count());
     Setting setting = setting_of(queries.front());
     setting.free = (AxisSet{1} << machine.axis_count()) - 1;
+    const Vec3 shift = random.vector(0.01);
+    for (int k = 0; k < 3; ++k) setting.shift[k] = shift[k];
     setting.exact_steps = round % 2;
     for (const Kernel* kernel : kernels()) {
       const Results all(*kernel, flat->view(), setting, batch, 0, queries.size());
