@@ -69,6 +69,7 @@ class Emitter {
   void block(const char* code, const Node& node, const std::string& feed, std::string& out);
   [[nodiscard]] std::string feed_word(const Motion& motion, const Node& a, const Node& b);
   [[nodiscard]] double turn_between(const Node& a, const Node& b) const;
+  void forget_place();
 
   const GcodeJob& job_;
   GcodeReport& report_;
@@ -146,12 +147,18 @@ void Emitter::record(const Record& record, std::string& out) {
       else if (!record.is_remark())
         out += events_.words_of(record, findings_);
       // where the axes stand after a tool change is the control's affair
-      if (record.major == "LOADTL" || record.major == "LOAD" || record.major == "GOHOME") last_.reset();
+      if (record.major == "LOADTL" || record.major == "LOAD" || record.major == "TURRET") forget_place();
       ended_ = interpreter_.ended();
       return;
     default:
       return;
   }
+}
+
+/// The next block names every axis: what the words before it said does not hold any more.
+void Emitter::forget_place() {
+  last_.reset();
+  for (Word& word : words_) word.last.clear();
 }
 
 bool Emitter::use_tool(const Record& record) {
@@ -320,9 +327,13 @@ bool Emitter::motion(const Record& record, const Motion& motion, std::string& ou
   end.s = 1;
   end.place = field_.follow(motion.end);
   if (!command(record, end)) return false;
-  if (motion.kind == MotionKind::from) return last_ = end, true;  // where the tool stands
+  if (motion.kind == MotionKind::from) {  // where the tool stands, whatever was written before
+    forget_place();
+    last_ = end;
+    return true;
+  }
   report_.arcs += motion.kind == MotionKind::arc ? 1 : 0;
-  if (!motion.start_known) last_.reset();
+  if (!motion.start_known) forget_place();
   bool good = true;
   if (motion.kind == MotionKind::rapid) {
     block("G0", end, {}, out);

@@ -121,6 +121,25 @@ TEST(EmitGcode, DrillingBecomesMotions) {
   EXPECT_NE(text.find("G0 X5.0000 Z2.0000\nG1 Z-8.0000 F100.0000\nG0 Z2.0000\n"), std::string::npos) << text;
 }
 
+// The control moved the axes to change the tool: words left out would leave them there.
+TEST(EmitGcode, EveryAxisIsNamedAfterAToolChange) {
+  const std::string hole = "RAPID\nGOTO/10,20,50\nGOTO/10,20,-5\nRAPID\nGOTO/10,20,50\n";
+  for (const char* change : {"LOADTL/2", "LOAD/TOOL,2", "TURRET/2"}) {
+    GcodeReport report;
+    const std::string text =
+        emit(plan_of(kThreeAxes), "UNITS/MM\nFEDRAT/100,MMPM\n" + hole + change + "\n" + hole + "FINI\n", true, report);
+    EXPECT_NE(text.find("T2 M6\nG0 X10.0000 Y20.0000 Z50.0000\nG1 Z-5.0000"), std::string::npos) << text;
+  }
+}
+
+TEST(EmitGcode, EveryAxisIsNamedAfterFrom) {
+  GcodeReport report;
+  const std::string text = emit(plan_of(kThreeAxes),
+                                "UNITS/MM\nFEDRAT/100,MMPM\nRAPID\nGOTO/5,0,50\nFROM/0,0,50\nGOTO/5,0,50\nFINI\n",
+                                true, report);
+  EXPECT_NE(text.find("G1 X5.0000 Y0.0000 Z50.0000 F100.0000\n"), std::string::npos) << text;
+}
+
 TEST(EmitGcode, WhatHasNoWordIsRefused) {
   const Plan plan = plan_of(kThreeAxes);
   const auto refusal = [&](const std::string& records) {
