@@ -70,6 +70,11 @@ class Emitter {
   [[nodiscard]] std::string feed_word(const Motion& motion, const Node& a, const Node& b);
   [[nodiscard]] double turn_between(const Node& a, const Node& b) const;
   void forget_place();
+  /// While a cycle drills, its own feed.
+  [[nodiscard]] const Feed& feed_in_force() const {
+    const auto& own = interpreter_.cycle_feed();
+    return interpreter_.motion().kind == MotionKind::hole && own ? *own : interpreter_.feed();
+  }
 
   const GcodeJob& job_;
   GcodeReport& report_;
@@ -269,7 +274,7 @@ bool Emitter::pieces(const Record& record, const Motion& motion, const Node& a, 
 }
 
 bool Emitter::feed_is_known(const Record& record, bool turns) {
-  const Feed& feed = interpreter_.feed();
+  const Feed& feed = feed_in_force();
   const bool by_time = feed.mode == FeedMode::per_minute || feed.mode == FeedMode::inverse_time;
   if (feed.value > 0 && (by_time || (feed.mode == FeedMode::per_revolution && !turns))) return true;
   findings_.refuse(record,
@@ -282,7 +287,7 @@ bool Emitter::feed_is_known(const Record& record, bool turns) {
 
 /// G94 F along the tip; G93 F = 1 / time, where the control's own length is not the tip's.
 std::string Emitter::feed_word(const Motion& motion, const Node& a, const Node& b) {
-  const Feed& feed = interpreter_.feed();
+  const Feed& feed = feed_in_force();
   const double value = feed.value * (feed.inch ? 25.4 : 1), turn = turn_between(a, b),
                length = length_of(motion) * (b.s - a.s);
   std::string mode, number;
@@ -360,6 +365,12 @@ bool Emitter::drill(const Record& record, std::string& out) {
   if (interpreter_.cycle_kind() != "DRILL") {
     findings_.refuse(record, {"E-CYCLE", fmt::format("CYCLE/{} as axis words", interpreter_.cycle_kind()),
                               "only DRILL is written as motions", "post the holes as GOTO records"});
+    return false;
+  }
+  if (!interpreter_.cycle_extra().empty()) {
+    findings_.refuse(record, {"E-CYCLE", fmt::format("{} in CYCLE/DRILL as axis words", interpreter_.cycle_extra()),
+                              "only a depth, a clearance and a feed are written as motions",
+                              "post the holes as GOTO records"});
     return false;
   }
   const ToolPose bottom{hole.end.tip - hole.below * hole.end.axis, hole.end.axis},
