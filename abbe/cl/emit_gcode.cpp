@@ -69,6 +69,12 @@ class Emitter {
   void block(const char* code, const Node& node, const std::string& feed, std::string& out);
   [[nodiscard]] std::string feed_word(const Motion& motion, const Node& a, const Node& b);
   [[nodiscard]] double turn_between(const Node& a, const Node& b) const;
+  void forget_place();
+  /// While a cycle drills, its own feed.
+  [[nodiscard]] const Feed& feed_in_force() const {
+    const auto& own = interpreter_.cycle_feed();
+    return interpreter_.motion().kind == MotionKind::hole && own ? *own : interpreter_.feed();
+  }
 
   const GcodeJob& job_;
   GcodeReport& report_;
@@ -146,12 +152,18 @@ void Emitter::record(const Record& record, std::string& out) {
       else if (!record.is_remark())
         out += events_.words_of(record, findings_);
       // where the axes stand after a tool change is the control's affair
-      if (record.major == "LOADTL" || record.major == "LOAD" || record.major == "GOHOME") last_.reset();
+      if (record.major == "LOADTL" || record.major == "LOAD" || record.major == "TURRET") forget_place();
       ended_ = interpreter_.ended();
       return;
     default:
       return;
   }
+}
+
+/// The next block names every axis: what the words before it said does not hold any more.
+void Emitter::forget_place() {
+  last_.reset();
+  for (Word& word : words_) word.last.clear();
 }
 
 bool Emitter::use_tool(const Record& record) {
@@ -262,7 +274,7 @@ bool Emitter::pieces(const Record& record, const Motion& motion, const Node& a, 
 }
 
 bool Emitter::feed_is_known(const Record& record, bool turns) {
-  const Feed& feed = interpreter_.feed();
+  const Feed& feed = feed_in_force();
   const bool by_time = feed.mode == FeedMode::per_minute || feed.mode == FeedMode::inverse_time;
   if (feed.value > 0 && (by_time || (feed.mode == FeedMode::per_revolution && !turns))) return true;
   findings_.refuse(record,
@@ -275,7 +287,7 @@ bool Emitter::feed_is_known(const Record& record, bool turns) {
 
 /// G94 F along the tip; G93 F = 1 / time, where the control's own length is not the tip's.
 std::string Emitter::feed_word(const Motion& motion, const Node& a, const Node& b) {
-  const Feed& feed = interpreter_.feed();
+  const Feed& feed = feed_in_force();
   const double value = feed.value * (feed.inch ? 25.4 : 1), turn = turn_between(a, b),
                length = length_of(motion) * (b.s - a.s);
   std::string mode, number;
@@ -320,9 +332,13 @@ bool Emitter::motion(const Record& record, const Motion& motion, std::string& ou
   end.s = 1;
   end.place = field_.follow(motion.end);
   if (!command(record, end)) return false;
-  if (motion.kind == MotionKind::from) return last_ = end, true;  // where the tool stands
+  if (motion.kind == MotionKind::from) {  // where the tool stands, whatever was written before
+    forget_place();
+    last_ = end;
+    return true;
+  }
   report_.arcs += motion.kind == MotionKind::arc ? 1 : 0;
-  if (!motion.start_known) last_.reset();
+  if (!motion.start_known) forget_place();
   bool good = true;
   if (motion.kind == MotionKind::rapid) {
     block("G0", end, {}, out);
@@ -349,6 +365,12 @@ bool Emitter::drill(const Record& record, std::string& out) {
   if (interpreter_.cycle_kind() != "DRILL") {
     findings_.refuse(record, {"E-CYCLE", fmt::format("CYCLE/{} as axis words", interpreter_.cycle_kind()),
                               "only DRILL is written as motions", "post the holes as GOTO records"});
+    return false;
+  }
+  if (!interpreter_.cycle_extra().empty()) {
+    findings_.refuse(record, {"E-CYCLE", fmt::format("{} in CYCLE/DRILL as axis words", interpreter_.cycle_extra()),
+                              "only a depth, a clearance and a feed are written as motions",
+                              "post the holes as GOTO records"});
     return false;
   }
   const ToolPose bottom{hole.end.tip - hole.below * hole.end.axis, hole.end.axis},

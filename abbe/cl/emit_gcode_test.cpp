@@ -121,6 +121,52 @@ TEST(EmitGcode, DrillingBecomesMotions) {
   EXPECT_NE(text.find("G0 X5.0000 Z2.0000\nG1 Z-8.0000 F100.0000\nG0 Z2.0000\n"), std::string::npos) << text;
 }
 
+TEST(EmitGcode, ACycleDrillsWithItsOwnFeed) {
+  const auto drilled = [](const std::string& unit, const std::string& cycle) {
+    GcodeReport report;
+    const std::string text = emit(plan_of(kThreeAxes),
+                                  "UNITS/" + unit + "\nFEDRAT/1000,MMPM\nRAPID\nGOTO/0,0,2\nCYCLE/" + cycle +
+                                      "\nGOTO/1,0,0\nCYCLE/OFF\nRAPID\nGOTO/0,0,2\nGOTO/1,0,2\nFINI\n",
+                                  true, report);
+    return report.complete ? text : report.diagnostics.front().code;
+  };
+  const std::string nx = drilled("MM", "DRILL,RAPTO,2,FEDTO,-8,MMPM,80"), catia = drilled("MM", "DRILL,8,MMPM,80,2");
+  EXPECT_NE(nx.find("G1 Z-8.0000 F80.0000\nG0 Z2.0000\nG0 X0.0000\nG1 X1.0000 F1000.0000\n"), std::string::npos) << nx;
+  EXPECT_EQ(nx, catia);
+  const std::string inches = drilled("INCHES", "DRILL,FEDTO,1,IPM,3");
+  EXPECT_NE(inches.find("G1 Z-25.4000 F76.2000\n"), std::string::npos) << inches;
+  EXPECT_EQ(drilled("INCHES", "DRILL,FEDTO,1,PERMIN,3"), inches);
+  // it retracts higher, or waits: no motion is left out
+  EXPECT_EQ(drilled("MM", "DRILL,RAPTO,2,FEDTO,8,RTRCTO,30"), "E-CYCLE");
+  EXPECT_EQ(drilled("MM", "DRILL,RAPTO,2,FEDTO,8,DWELL,1"), "E-CYCLE");
+}
+
+TEST(EmitGcode, AFeedPerMinuteCountsInTheUnitsOfTheFile) {
+  GcodeReport report;
+  const std::string text = emit(
+      plan_of(kThreeAxes), "UNITS/INCHES\nRAPID\nGOTO/0,0,1\nFEDRAT/10,PERMIN\nGOTO/1,0,1\nFINI\n", true, report);
+  EXPECT_NE(text.find("F254.0000"), std::string::npos) << text;
+}
+
+// The control moved the axes to change the tool: words left out would leave them there.
+TEST(EmitGcode, EveryAxisIsNamedAfterAToolChange) {
+  const std::string hole = "RAPID\nGOTO/10,20,50\nGOTO/10,20,-5\nRAPID\nGOTO/10,20,50\n";
+  for (const char* change : {"LOADTL/2", "LOAD/TOOL,2", "TURRET/2"}) {
+    GcodeReport report;
+    const std::string text =
+        emit(plan_of(kThreeAxes), "UNITS/MM\nFEDRAT/100,MMPM\n" + hole + change + "\n" + hole + "FINI\n", true, report);
+    EXPECT_NE(text.find("T2 M6\nG0 X10.0000 Y20.0000 Z50.0000\nG1 Z-5.0000"), std::string::npos) << text;
+  }
+}
+
+TEST(EmitGcode, EveryAxisIsNamedAfterFrom) {
+  GcodeReport report;
+  const std::string text = emit(plan_of(kThreeAxes),
+                                "UNITS/MM\nFEDRAT/100,MMPM\nRAPID\nGOTO/5,0,50\nFROM/0,0,50\nGOTO/5,0,50\nFINI\n",
+                                true, report);
+  EXPECT_NE(text.find("G1 X5.0000 Y0.0000 Z50.0000 F100.0000\n"), std::string::npos) << text;
+}
+
 TEST(EmitGcode, WhatHasNoWordIsRefused) {
   const Plan plan = plan_of(kThreeAxes);
   const auto refusal = [&](const std::string& records) {

@@ -164,6 +164,20 @@ bool Interpreter::has_unit(const Record& record, Findings& findings) {
   return false;
 }
 
+/// What a word says of a feed; PERMIN and PERREV count in the units of the file.
+void Interpreter::note_feed_word(std::string_view word, Feed& feed) const {
+  if (one_of(word, {"MMPM", "IPM", "PERMIN"}))
+    feed.mode = FeedMode::per_minute;
+  else if (one_of(word, {"MMPR", "IPR", "PERREV"}))
+    feed.mode = FeedMode::per_revolution;
+  else if (one_of(word, {"MMPT", "IPT"}))
+    feed.mode = FeedMode::per_tooth;
+  else if (word == "INVERS")
+    feed.mode = FeedMode::inverse_time;
+  feed.inch = feed.inch || one_of(word, {"IPM", "IPR", "IPT"}) ||
+              (one_of(word, {"PERMIN", "PERREV"}) && frame_.unit == inch);
+}
+
 bool Interpreter::feed_rate(const Record& record, Findings& findings) {
   Feed feed;
   bool has_value = false, has_mode = false;
@@ -173,15 +187,8 @@ bool Interpreter::feed_rate(const Record& record, Findings& findings) {
       has_value = true;
     } else if (item.is_number) {
       continue;  // a maximum feed
-    } else if (one_of(item.word, {"MMPM", "IPM", "PERMIN"})) {
-      feed.mode = FeedMode::per_minute;
-    } else if (one_of(item.word, {"MMPR", "IPR", "PERREV"})) {
-      feed.mode = FeedMode::per_revolution;
-    } else if (one_of(item.word, {"MMPT", "IPT"})) {
-      feed.mode = FeedMode::per_tooth;
-    } else if (item.word == "INVERS") {
-      feed.mode = FeedMode::inverse_time;
-    } else if (!one_of(item.word, {"ON", "OFF", "AUTO"})) {
+    } else if (!one_of(item.word, {"MMPM", "IPM", "PERMIN", "MMPR", "IPR", "PERREV", "MMPT", "IPT", "INVERS",
+                                   "ON", "OFF", "AUTO"})) {
       findings.refuse(record, item,
                       {"E-FEED", fmt::format("'{}' is not understood in FEDRAT", item.word),
                        "how long a motion takes depends on it", "write FEDRAT/f,MMPM and its like"});
@@ -189,7 +196,7 @@ bool Interpreter::feed_rate(const Record& record, Findings& findings) {
     }
     if (!item.is_number) {
       has_mode = true;
-      feed.inch = feed.inch || one_of(item.word, {"IPM", "IPR", "IPT"});
+      note_feed_word(item.word, feed);
     }
   }
   if (has_value && !(feed.value >= 0)) {
@@ -235,6 +242,14 @@ bool Interpreter::cutter_compensation(const Record& record, Findings& findings) 
   return true;
 }
 
+void Interpreter::note_cycle_word(const Item& item) {
+  const std::string_view word = item.word;
+  if (one_of(word, {"MMPM", "MMPR", "IPM", "IPR", "PERMIN", "PERREV"}))
+    note_feed_word(word, cycle_feed_.emplace());
+  else if (cycle_extra_.empty() && !one_of(word, {"FEDTO", "DEPTH", "THRU", "RAPTO", "CLEAR"}))
+    cycle_extra_ = word;
+}
+
 bool Interpreter::cycle(const Record& record, Findings& findings) {
   const std::string_view type =
       record.items.empty() ? std::string_view() : std::string_view(record.items[0].word);
@@ -255,14 +270,18 @@ bool Interpreter::cycle(const Record& record, Findings& findings) {
   }
   if (!has_unit(record, findings)) return false;
   above_ = below_ = 0;
+  cycle_feed_.reset();
+  cycle_extra_.clear();
   std::string_view tag = type;
   for (std::size_t i = 1; i < record.items.size(); ++i) {
     const Item& item = record.items[i];
     if (!item.is_number) {
       tag = item.word;
+      note_cycle_word(item);
       continue;
     }
     const double reach = std::abs(item.value) * frame_.unit;
+    if (one_of(tag, {"MMPM", "MMPR", "IPM", "IPR", "PERMIN", "PERREV"}) && cycle_feed_) cycle_feed_->value = item.value;
     if (tag == type || one_of(tag, {"FEDTO", "DEPTH", "CSINK", "THRU"}))
       below_ = std::max(below_, reach);
     else if (one_of(tag, {"RAPTO", "CLEAR"}))

@@ -72,6 +72,9 @@ class Interpreter {
   [[nodiscard]] bool multax() const { return multax_.value_or(false); }
   [[nodiscard]] bool cutter_compensated() const { return cutcom_; }
   [[nodiscard]] const std::string& cycle_kind() const { return cycle_kind_; }  ///< DRILL, ..
+  [[nodiscard]] const std::optional<Feed>& cycle_feed() const { return cycle_feed_; }  ///< nothing: FEDRAT's
+  /// The first word of the cycle that is neither its depth, its clearance nor its feed; "": none.
+  [[nodiscard]] const std::string& cycle_extra() const { return cycle_extra_; }
   [[nodiscard]] bool ended() const { return ended_; }
   /// The arc of the motion just read has more than one turn, or states its angle: it stays one record.
   [[nodiscard]] int arc_turns() const { return arc_turns_; }
@@ -82,6 +85,8 @@ class Interpreter {
   [[nodiscard]] bool units(const Record& record, Findings& findings);
   [[nodiscard]] bool feed_rate(const Record& record, Findings& findings);
   [[nodiscard]] bool cycle(const Record& record, Findings& findings);
+  void note_cycle_word(const Item& item);
+  void note_feed_word(std::string_view word, Feed& feed) const;
   [[nodiscard]] bool cutter_compensation(const Record& record, Findings& findings);
   [[nodiscard]] bool frame_record(const Record& record, Findings& findings);
   [[nodiscard]] bool shift(const Record& record, Findings& findings);
@@ -126,7 +131,8 @@ class Interpreter {
   bool cutcom_ = false, cutcom_edge_ = false;
   bool cycle_on_ = false, cycle_defined_ = false;
   double above_ = 0, below_ = 0;
-  std::string cycle_kind_;
+  std::string cycle_kind_, cycle_extra_;
+  std::optional<Feed> cycle_feed_;
   // an arc that waits for its GOTO, and the last one
   bool arc_waits_ = false, arc_just_made_ = false;
   Vec3 arc_centre_ = Vec3::Zero(), arc_normal_ = Vec3::UnitZ();
