@@ -73,12 +73,13 @@ struct DecodeReport {
 };
 
 /// Process data, one row per bus cycle: inputs from returning frames, outputs from the frames on their way
-/// out. A cycle is complete when every process datagram that carries a column has come back.
+/// out. A cycle begins with first_of_cycle and is complete when every process datagram that carries a column
+/// has come back.
 ///
 /// plan     of plan_columns, for the same survey; survey of the same file (a partial one will do)
 /// errors   FileError if it cannot be opened; a damaged end is DecodeReport::error
-/// laws     tshark's bytes give the same values (tests/capture)
-/// cost     25 to 40 ns a frame; memory does not depend on the length
+/// laws     rows never mix cycles, whichever frame is lost (RowsNeverMixCycles); tshark's bytes give the same
+/// values (tests/capture) cost     25 to 40 ns a frame; memory does not depend on the length
 [[nodiscard]] FileResult<DecodeReport> decode_capture(const std::string& path, const DecodePlan& plan,
                                                       const CaptureSurvey& survey,
                                                       const DecodeOptions& options, const ColumnSink& sink,
