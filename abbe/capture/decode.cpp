@@ -142,7 +142,7 @@ class Decoder {
         route.inputs.push_back(make_field(o, bit, columns_[c].data()));
         continue;
       }
-      route.hides_outputs |= overlaps_input(plan.columns, o);
+      route.hides_outputs |= overlaps_input(plan.inputs, o);
       route.outputs.push_back(make_field(o, bit, columns_[c].data()));
       route.sent.push_back(make_field(o, bit, sent_[c].data()));
       route.held.push_back({sent_[c].data(), columns_[c].data()});
@@ -261,6 +261,7 @@ TimeBase best_time_base(const CaptureSurvey& survey) {
 DecodePlan plan_columns(const ProcessMap& map, const CaptureSurvey& survey) {
   DecodePlan plan;
   for (const PdoObject& object : map.objects) {
+    if (object.direction == PdoDirection::input) plan.inputs.push_back(object);
     const bool carried = std::any_of(survey.process.begin(), survey.process.end(),
                                      [&](const ProcessDatagram& p) { return carries(p, object); });
     if (!carried) {

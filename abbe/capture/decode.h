@@ -44,6 +44,7 @@ struct DecodeOptions {
 /// What will be decoded: the objects that this capture carries.
 struct DecodePlan {
   std::vector<PdoObject> columns;
+  std::vector<PdoObject> inputs;     ///< all of the map, also those without a column: they may hide outputs
   std::vector<std::string> missing;  ///< objects of the map that no frame carries
   /// Outputs that cannot be told from the inputs at the same address, because no frame on its way out is
   /// recorded.
