@@ -70,7 +70,10 @@ TEST(ReadMap, MistakesAreNamed) {
       start + "[[object]]\nstation = 1\nindex = 0x6064\ndirection = \"input\"\naddress = 0\n";
   EXPECT_EQ(codes(object + "type = \"int32\"\n"), "");
   EXPECT_EQ(codes(object + "type = \"int31\"\n"), "E-VALUE@7 ");
-  EXPECT_EQ(codes(object + "type = \"int32\"\nscale = 0\n"), "E-VALUE@0 ");
+  EXPECT_EQ(codes(object + "type = \"int32\"\nscale = 0\nunit = \"mm\"\n"), "E-VALUE@0 ");
+  EXPECT_EQ(codes(object + "type = \"int32\"\nscale = 0.5\nunit = \"mm\"\n"), "");
+  EXPECT_EQ(codes(object + "type = \"int32\"\nscale = 0.5\n"), "E-MISSING-KEY@2 ");
+  EXPECT_EQ(codes(object + "type = \"int32\"\nunit = \"mm\"\n"), "E-MISSING-KEY@2 ");
   EXPECT_EQ(codes(object + "type = 5\n"), "E-TYPE@7 ");
   EXPECT_EQ(codes(start +
                   "[[object]]\naxis = \"X\"\nindex = 1\ndirection = \"in\"\naddress = 0\ntype = \"int8\"\n"),
