@@ -54,6 +54,12 @@ struct Route {
   std::vector<Held> held;
 };
 
+/// `kind`: a Route or a ProcessDatagram.
+template <class Kind>
+bool is(const Datagram& d, const Kind& kind) {
+  return d.address == kind.address && d.data.size() == kind.length && d.command == kind.command;
+}
+
 /// The reference clock has 32 bits in some frames: it is unwrapped.
 class Clock {
  public:
@@ -88,7 +94,10 @@ class Decoder {
     sent_.assign(plan.columns.size(), std::vector<double>(kIndices));
     time_.resize(kBlock);
     if (survey.cycle) longest_ = kGap * *survey.cycle;
-    for (const ProcessDatagram& p : survey.process) add_route(p, plan, survey.process);
+    std::vector<const ProcessDatagram*> carriers;
+    for (const PdoObject& o : plan.columns) carriers.push_back(carrier_of(o, survey.process));
+    for (const ProcessDatagram& p : survey.process) add_route(p, plan, carriers);
+    if (const ProcessDatagram* first = first_of_cycle(survey.process)) first_ = *first;
     seen_.assign(routes_.size(), false);
   }
 
@@ -99,6 +108,7 @@ class Decoder {
     const std::size_t slot = frame.datagrams.front().index;
     for (const Datagram& d : frame.datagrams) {
       if (!d.logical()) continue;
+      if (frame.returning && first_ && is(d, *first_)) begin_row();
       const std::size_t r = find_route(d);
       if (r == routes_.size()) continue;
       if (!frame.returning) {
@@ -117,7 +127,8 @@ class Decoder {
   }
 
  private:
-  void add_route(const ProcessDatagram& p, const DecodePlan& plan, const std::vector<ProcessDatagram>& all) {
+  void add_route(const ProcessDatagram& p, const DecodePlan& plan,
+                 const std::vector<const ProcessDatagram*>& carriers) {
     Route route;
     route.command = p.command;
     route.address = p.address;
@@ -125,13 +136,13 @@ class Decoder {
     route.expected = p.expected();
     for (std::size_t c = 0; c < plan.columns.size(); ++c) {
       const PdoObject& o = plan.columns[c];
-      if (carrier_of(o, all) != &p) continue;
+      if (carriers[c] != &p) continue;
       const std::uint64_t bit = o.bit - std::uint64_t{p.address} * 8;
       if (o.direction == PdoDirection::input) {
         route.inputs.push_back(make_field(o, bit, columns_[c].data()));
         continue;
       }
-      route.hides_outputs |= overlaps_input(plan.columns, o);
+      route.hides_outputs |= overlaps_input(plan.inputs, o);
       route.outputs.push_back(make_field(o, bit, columns_[c].data()));
       route.sent.push_back(make_field(o, bit, sent_[c].data()));
       route.held.push_back({sent_[c].data(), columns_[c].data()});
@@ -142,18 +153,13 @@ class Decoder {
 
   [[nodiscard]] std::size_t find_route(const Datagram& d) const {
     std::size_t r = 0;
-    while (r < routes_.size() && (routes_[r].address != d.address || routes_[r].length != d.data.size() ||
-                                  routes_[r].command != d.command))
-      ++r;
+    while (r < routes_.size() && !is(d, routes_[r])) ++r;
     return r;
   }
 
   bool take(const BusFrame& frame, const Datagram& d, std::size_t r, std::size_t slot) {
     const Route& route = routes_[r];
-    if (seen_[r]) {
-      ++report_.incomplete_rows;
-      forget();
-    }
+    if (seen_[r]) begin_row();
     seen_[r] = true;
     ++seen_count_;
     short_ |= d.working_counter < route.expected || d.working_counter == 0;
@@ -166,6 +172,13 @@ class Decoder {
     }
     unknown_output_ |= route.hides_outputs && !known;
     return seen_count_ < routes_.size() || end_row(frame);
+  }
+
+  /// What was seen of a cycle that did not become complete is of no use.
+  void begin_row() {
+    if (seen_count_ == 0) return;
+    ++report_.incomplete_rows;
+    forget();
   }
 
   void forget() {
@@ -212,6 +225,7 @@ class Decoder {
   DecodeOptions options_;
   const ColumnSink& sink_;
   Clock clock_;
+  std::optional<ProcessDatagram> first_;  ///< of a cycle
   std::vector<Route> routes_;
   std::vector<std::vector<double>> columns_;
   std::vector<double> time_;
@@ -247,6 +261,7 @@ TimeBase best_time_base(const CaptureSurvey& survey) {
 DecodePlan plan_columns(const ProcessMap& map, const CaptureSurvey& survey) {
   DecodePlan plan;
   for (const PdoObject& object : map.objects) {
+    if (object.direction == PdoDirection::input) plan.inputs.push_back(object);
     const bool carried = std::any_of(survey.process.begin(), survey.process.end(),
                                      [&](const ProcessDatagram& p) { return carries(p, object); });
     if (!carried) {

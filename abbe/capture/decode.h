@@ -44,6 +44,7 @@ struct DecodeOptions {
 /// What will be decoded: the objects that this capture carries.
 struct DecodePlan {
   std::vector<PdoObject> columns;
+  std::vector<PdoObject> inputs;     ///< all of the map, also those without a column: they may hide outputs
   std::vector<std::string> missing;  ///< objects of the map that no frame carries
   /// Outputs that cannot be told from the inputs at the same address, because no frame on its way out is
   /// recorded.
@@ -73,12 +74,13 @@ struct DecodeReport {
 };
 
 /// Process data, one row per bus cycle: inputs from returning frames, outputs from the frames on their way
-/// out. A cycle is complete when every process datagram that carries a column has come back.
+/// out. A cycle begins with first_of_cycle and is complete when every process datagram that carries a column
+/// has come back.
 ///
 /// plan     of plan_columns, for the same survey; survey of the same file (a partial one will do)
 /// errors   FileError if it cannot be opened; a damaged end is DecodeReport::error
-/// laws     tshark's bytes give the same values (tests/capture)
-/// cost     25 to 40 ns a frame; memory does not depend on the length
+/// laws     rows never mix cycles, whichever frame is lost (RowsNeverMixCycles); tshark's bytes give the same
+/// values (tests/capture) cost     25 to 40 ns a frame; memory does not depend on the length
 [[nodiscard]] FileResult<DecodeReport> decode_capture(const std::string& path, const DecodePlan& plan,
                                                       const CaptureSurvey& survey,
                                                       const DecodeOptions& options, const ColumnSink& sink,

@@ -127,6 +127,25 @@ TEST(Decode, LearnedMapIsTheWrittenOne) {
   }
 }
 
+/// The packets of a classic pcap file with their headers.
+std::vector<std::vector<std::uint8_t>> packets_of(const std::vector<std::uint8_t>& file) {
+  std::vector<std::vector<std::uint8_t>> packets;
+  for (std::size_t at = 24; at + 16 <= file.size();) {
+    const std::size_t size = 16 + load_little<std::uint32_t>(file.data() + at + 8);
+    packets.emplace_back(file.begin() + static_cast<std::ptrdiff_t>(at),
+                         file.begin() + static_cast<std::ptrdiff_t>(at + size));
+    at += size;
+  }
+  return packets;
+}
+
+void put_packets(const ScratchFile& file, const std::vector<std::vector<std::uint8_t>>& packets) {
+  std::vector<std::uint8_t> bytes = file.bytes();
+  bytes.resize(24);
+  for (const auto& packet : packets) bytes.insert(bytes.end(), packet.begin(), packet.end());
+  file.put(bytes);
+}
+
 TEST(Decode, OddBitsAndSharedAddressesAreReadBack) {
   // Inputs lie over outputs, as in masters that save addresses; objects begin inside bytes.
   ProcessMap map;
@@ -160,30 +179,26 @@ TEST(Decode, OddBitsAndSharedAddressesAreReadBack) {
   EXPECT_EQ(decoded.columns.at("e"), e);
   EXPECT_EQ(decoded.columns.at("f"), f);
 
+  // A cycle whose frame on its way out was lost cannot say a, also where no input is a column.
+  const CaptureSurvey survey = survey_of(file.path());
+  auto packets = packets_of(file.bytes());
+  packets.erase(packets.end() - 4);
+  put_packets(file, packets);
+  DecodePlan plan = plan_columns(map, survey);
+  plan.columns = {plan.columns.front()};
+  std::vector<double> of_a;
+  const auto report = decode_capture(file.path(), plan, survey, {}, [&](const ColumnBlock& block) {
+    of_a.assign(block.columns[0].begin(), block.columns[0].end());
+    return true;
+  });
+  EXPECT_THAT(of_a, testing::ElementsAre(0, 5));
+  EXPECT_EQ(std::get<DecodeReport>(report).incomplete_rows, 1U);
+
   // Without the frames on their way out nobody can know a and b.
   CaptureSettings one_way;
   one_way.forward = false;
   ASSERT_FALSE(put_capture(file.path(), map, columns, one_way));
   EXPECT_THAT(plan_columns(map, survey_of(file.path())).hidden, testing::ElementsAre("a", "b"));
-}
-
-/// The packets of a classic pcap file with their headers.
-std::vector<std::vector<std::uint8_t>> packets_of(const std::vector<std::uint8_t>& file) {
-  std::vector<std::vector<std::uint8_t>> packets;
-  for (std::size_t at = 24; at + 16 <= file.size();) {
-    const std::size_t size = 16 + load_little<std::uint32_t>(file.data() + at + 8);
-    packets.emplace_back(file.begin() + static_cast<std::ptrdiff_t>(at),
-                         file.begin() + static_cast<std::ptrdiff_t>(at + size));
-    at += size;
-  }
-  return packets;
-}
-
-void put_packets(const ScratchFile& file, const std::vector<std::vector<std::uint8_t>>& packets) {
-  std::vector<std::uint8_t> bytes = file.bytes();
-  bytes.resize(24);
-  for (const auto& packet : packets) bytes.insert(bytes.end(), packet.begin(), packet.end());
-  file.put(bytes);
 }
 
 TEST(Decode, GapsShortCountersAndLostFramesAreCounted) {
@@ -212,6 +227,51 @@ TEST(Decode, GapsShortCountersAndLostFramesAreCounted) {
   DecodeOptions keep;
   keep.keep_short = true;
   EXPECT_EQ(decode(file.path(), learned(survey_of(file.path())), keep).report.rows, 97U);
+}
+
+/// Two frames a cycle, the second 50 us behind the first: X in one, Y in the other, returning ones only.
+std::vector<std::vector<std::uint8_t>> two_frames_a_cycle(const ScratchFile& file, const Signals& signals) {
+  CaptureSettings settings;
+  settings.esl = EslPlace::none;
+  settings.startup = settings.forward = settings.clock = false;
+  const std::vector<ServoAxis> axes = two_axes();
+  std::vector<std::vector<std::uint8_t>> of_axis[2];
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto address = static_cast<std::uint32_t>(0x10000 * (k + 1));
+    EXPECT_FALSE(put_capture(file.path(), servo_map({axes[k]}, address),
+                             {{axes[k].name + ".position_actual", signals.x}}, settings));
+    of_axis[k] = packets_of(file.bytes());
+  }
+  std::vector<std::vector<std::uint8_t>> packets;
+  for (std::size_t i = 0; i < of_axis[0].size(); ++i) {
+    const std::uint32_t later = load_little<std::uint32_t>(of_axis[1][i].data() + 4) + 50'000;
+    std::memcpy(of_axis[1][i].data() + 4, &later, sizeof later);
+    packets.push_back(of_axis[0][i]);
+    packets.push_back(of_axis[1][i]);
+  }
+  return packets;
+}
+
+TEST(Decode, RowsNeverMixCycles) {
+  const Signals signals(100);
+  const ScratchFile file("mixed.pcap");
+  const auto whole = two_frames_a_cycle(file, signals);
+  ProcessMap map = servo_map({two_axes()[0]}, 0x10000);
+  for (const PdoObject& o : servo_map({two_axes()[1]}, 0x20000).objects) map.objects.push_back(o);
+  const auto rows_without = [&](std::size_t lost) {
+    auto packets = whole;
+    packets.erase(packets.begin() + static_cast<std::ptrdiff_t>(lost));
+    put_packets(file, packets);
+    const Decoded decoded = decode(file.path(), map);
+    const auto& x = decoded.columns.at("X.position_actual");
+    const auto& y = decoded.columns.at("Y.position_actual");
+    for (std::size_t i = 0; i < x.size(); ++i)
+      EXPECT_NEAR(x[i], y[i], 0.5 / 3600 + 0.5 / 10000) << "row " << i;
+    return decoded.report.rows;
+  };
+  EXPECT_EQ(rows_without(0), 99U);   // the recording begins inside a cycle
+  EXPECT_EQ(rows_without(80), 99U);  // the first frame of a cycle is lost
+  EXPECT_EQ(rows_without(81), 99U);  // the second
 }
 
 TEST(Decode, VlanTagsAndPaddingChangeNothing) {

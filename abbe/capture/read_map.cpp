@@ -172,7 +172,14 @@ class MapReader {
       if (!value) return false;
       object.scale = *value;
     }
-    return true;
+    // One alone would be completed by a guess: counts called mm, or a scale that the axis' own replaces.
+    const bool with_unit = !object.unit.empty(), with_scale = table.find("scale") != nullptr;
+    if (with_unit == with_scale) return true;
+    findings_.error("E-MISSING-KEY", table.mark,
+                    fmt::format("object has a {} but no {}", with_scale ? "scale" : "unit",
+                                with_scale ? "unit" : "scale"),
+                    "value = counts * scale in that unit", "give both, or neither and the axis' are used");
+    return false;
   }
 
   Findings& findings_;

@@ -70,7 +70,10 @@ TEST(ReadMap, MistakesAreNamed) {
       start + "[[object]]\nstation = 1\nindex = 0x6064\ndirection = \"input\"\naddress = 0\n";
   EXPECT_EQ(codes(object + "type = \"int32\"\n"), "");
   EXPECT_EQ(codes(object + "type = \"int31\"\n"), "E-VALUE@7 ");
-  EXPECT_EQ(codes(object + "type = \"int32\"\nscale = 0\n"), "E-VALUE@0 ");
+  EXPECT_EQ(codes(object + "type = \"int32\"\nscale = 0\nunit = \"mm\"\n"), "E-VALUE@0 ");
+  EXPECT_EQ(codes(object + "type = \"int32\"\nscale = 0.5\nunit = \"mm\"\n"), "");
+  EXPECT_EQ(codes(object + "type = \"int32\"\nscale = 0.5\n"), "E-MISSING-KEY@2 ");
+  EXPECT_EQ(codes(object + "type = \"int32\"\nunit = \"mm\"\n"), "E-MISSING-KEY@2 ");
   EXPECT_EQ(codes(object + "type = 5\n"), "E-TYPE@7 ");
   EXPECT_EQ(codes(start +
                   "[[object]]\naxis = \"X\"\nindex = 1\ndirection = \"in\"\naddress = 0\ntype = \"int8\"\n"),
@@ -91,6 +94,25 @@ std::string eni_of(const std::string& fmmu) {
          fmmu + R"(</Data></InitCmd>
 <InitCmd><Transition>SP</Transition><Cmd>5</Cmd><Adp>1002</Adp><Ado>1552</Ado><Data>00000000000000000000000000000000</Data></InitCmd>
 </InitCmds></Slave></Config></EtherCATConfig>)";
+}
+
+TEST(MapOf, NonsenseInRegistersStaysSmall) {
+  std::vector<SlaveSetup> slaves(500);
+  for (std::size_t s = 0; s < slaves.size(); ++s) {
+    slaves[s].station = static_cast<std::uint16_t>(s + 1);
+    // Sync manager 0: 1000 bytes from 0x1000 on. Every FMMU: 65535 bytes of it, as inputs.
+    set_registers(slaves[s], 0x0800, std::vector<std::uint8_t>{0x00, 0x10, 0xe8, 0x03, 0x20, 0, 1, 0});
+    for (std::uint16_t k = 0; k < 16; ++k) {
+      const std::vector<std::uint8_t> fmmu = {
+          0, 0, static_cast<std::uint8_t>(k), static_cast<std::uint8_t>(s), 0xff, 0xff, 0, 7, 0x00, 0x10, 0,
+          1, 1};
+      set_registers(slaves[s], static_cast<std::uint16_t>(0x0600 + 16 * k), fmmu);
+    }
+  }
+  Diagnostics findings;
+  EXPECT_LE(map_of(slaves, findings).objects.size(), 65536U);
+  ASSERT_EQ(findings.size(), 1U);
+  EXPECT_EQ(findings[0].code, "W-CAPTURE-MAP");
 }
 
 TEST(ReadEni, ObjectsStandWhereFmmusPutThem) {

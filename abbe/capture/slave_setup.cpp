@@ -10,6 +10,8 @@ namespace abbe {
 namespace {
 
 constexpr int kFmmus = 16, kSyncManagers = 16;
+/// Of a map: far more than a bus carries. 16 bytes of nonsense can announce 16384 objects.
+constexpr std::size_t kMostObjects = std::size_t{1} << 16;
 
 /// The part of a slave's memory that appears in the logical image.
 struct Window {
@@ -53,7 +55,7 @@ PdoType type_of(const PdoEntry& entry) {
 
 void add_unknown(const SlaveSetup& slave, const Window& w, PdoDirection direction, ProcessMap& map) {
   constexpr std::uint64_t kMost = 32;
-  for (std::uint64_t at = w.first; at < w.end; at += kMost) {
+  for (std::uint64_t at = w.first; at < w.end && map.objects.size() < kMostObjects; at += kMost) {
     PdoObject object;
     object.station = slave.station;
     object.direction = direction;
@@ -79,6 +81,7 @@ void add_pdos(const SlaveSetup& slave, const Window& w, int manager, PdoDirectio
       if (entry.index == 0 || entry.bits < 1 || entry.bits > 64) continue;
       const auto first = static_cast<std::int64_t>(w.first), last = static_cast<std::int64_t>(w.end);
       if (end <= first || begin >= last) continue;
+      if (map.objects.size() >= kMostObjects) return;
       if (begin < first || end > last) {
         Diagnostic d;
         d.severity = Severity::warning;
@@ -146,6 +149,14 @@ ProcessMap map_of(std::span<const SlaveSetup> slaves, Diagnostics& findings) {
         }
       }
     }
+  }
+  if (map.objects.size() >= kMostObjects) {
+    Diagnostic d;
+    d.severity = Severity::warning;
+    d.code = "W-CAPTURE-MAP";
+    d.message = fmt::format("the slaves map {} objects or more; the rest is left out", kMostObjects);
+    d.why = "no bus carries that many: registers were damaged or misunderstood";
+    findings.push_back(d);
   }
   return map;
 }

@@ -50,7 +50,8 @@ struct SyncManagerState {
 ///   physical bit
 ///
 /// A range whose PDOs are not known becomes objects without index, at most 32 bits each. Columns are not
-/// named yet: see named(). W-CAPTURE-MAP for an object that an FMMU maps only in part.
+/// named yet: see named(). W-CAPTURE-MAP for an object that an FMMU maps only in part, and where
+/// there are more than 65536 (nonsense in the registers).
 [[nodiscard]] ProcessMap map_of(std::span<const SlaveSetup> slaves, Diagnostics& findings);
 
 }  // namespace abbe

@@ -21,6 +21,8 @@ struct ProcessDatagram {
   std::uint32_t length = 0;
   std::uint64_t sent = 0, returned = 0;             ///< frames
   std::map<std::uint16_t, std::uint64_t> counters;  ///< working counter of returning ones -> how often
+  /// s: that long after the returning process datagram before it, or longer (all but 2 %); 0 = not known.
+  double lead = 0;
 
   /// The working counter if every slave took part: the most frequent one that is not 0; 0 if there is none.
   [[nodiscard]] std::uint16_t expected() const;
@@ -56,6 +58,10 @@ struct CaptureSurvey {
 
   static constexpr std::size_t kMostListed = 20;
 };
+
+/// The process datagram with which a bus cycle begins: the one with the longest pause before it. nullptr if
+/// there are no pauses to be seen.
+[[nodiscard]] const ProcessDatagram* first_of_cycle(const std::vector<ProcessDatagram>& process);
 
 /// Reads a capture once. `most` packets at most, 0 = all.
 /// errors   FileError if it cannot be opened; a damaged end is CaptureSurvey::error

@@ -5,6 +5,7 @@
 #include <complex>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <unsupported/Eigen/FFT>
 
 namespace abbe {
@@ -97,21 +98,24 @@ class Coefficients {
   std::size_t n_, m_;
 };
 
-constexpr double kEquallyGood = 1e-3;
+constexpr double kEquallyGood = 1e-3, kBetweenPeaks = 0.1;
 
-/// The peak closest to `zero` among those as high as the highest, for records that repeat themselves.
+/// The peak closest to `zero` among those as high as the highest, for records that repeat themselves. Two
+/// maxima are of one peak, of which only the higher counts, unless r falls well below the highest between
+/// them: ripples that noise puts on a broad peak are no repetitions.
 std::size_t smallest_of_best(const Samples& r, std::size_t zero) {
   const double top = *std::max_element(r.begin(), r.end());
-  const auto value = [&](std::size_t i) { return i < r.size() ? r[i] : kNone; };
-  const auto is_peak = [&](std::size_t i) {
-    return value(i) >= top - kEquallyGood && value(i) >= value(i + 1) &&
-           value(i) >= (i > 0 ? r[i - 1] : kNone);
-  };
-  for (std::size_t away = 0; away < r.size(); ++away) {
-    if (zero + away < r.size() && is_peak(zero + away)) return zero + away;
-    if (away <= zero && zero - away < r.size() && is_peak(zero - away)) return zero - away;
+  const auto away = [zero](std::size_t i) { return i > zero ? i - zero : zero - i; };
+  std::optional<std::size_t> best;
+  for (std::size_t i = 0; i < r.size(); ++i) {
+    if (r[i] < top - kBetweenPeaks) continue;
+    std::size_t peak = i;
+    for (; i < r.size() && r[i] >= top - kBetweenPeaks; ++i) {
+      if (r[i] > r[peak]) peak = i;
+    }
+    if (r[peak] >= top - kEquallyGood && (!best || away(peak) < away(*best))) best = peak;
   }
-  return static_cast<std::size_t>(std::max_element(r.begin(), r.end()) - r.begin());
+  return best.value_or(zero);
 }
 
 /// The largest range [begin, end) in which the record rises strictly.

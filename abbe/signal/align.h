@@ -13,7 +13,7 @@ namespace abbe {
 ///   r(l) = cov(a_i, b_{i+l}) / sqrt(var a var b),   delay = the l of the largest r, refined by a parabola
 ///
 /// Records that repeat themselves have several peaks: of those within 1e-3 of the highest the smallest delay
-/// counts.
+/// counts. Ripples that noise puts on one peak are no peaks: between two r falls by 0.1 or more.
 struct Delay {
   double samples = 0;      ///< > 0: b is behind a, b(t) is like a(t - delay)
   double coefficient = 0;  ///< r there, -1 to 1: close to 1 if the records really are alike
