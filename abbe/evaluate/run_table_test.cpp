@@ -94,6 +94,17 @@ TEST(ReadRtl, RunsThatFallAreBackward) {
   EXPECT_NEAR(runs.value->backward(0, 0) / um, 5.5, 1e-12);
 }
 
+TEST(ReadRtl, DirectionIsThatOfThePositionsNotOfTheirNumbers) {
+  // Z is often listed downwards: the first run falls although the numbers of its targets rise.
+  std::string text = kRtl;
+  text.replace(text.find("Targets :"), 9, "Targets :\n0 -100 -200\nWas :");
+  const auto runs = read_runs("z.rtl", text);
+  ASSERT_TRUE(runs.value) << first_code(runs.diagnostics);
+  EXPECT_EQ(runs.value->targets, (std::vector<double>{-200, -100, 0}));
+  EXPECT_NEAR(runs.value->backward(0, 0) / um, 2.5, 1e-12);
+  EXPECT_NEAR(runs.value->forward(2, 0) / um, 5.5, 1e-12);
+}
+
 TEST(ReadRtl, OtherOwnersNeedAUnit) {
   std::string text = kRtl;
   text.replace(text.find("Linear"), 6, "Angular");
