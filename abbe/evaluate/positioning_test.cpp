@@ -110,6 +110,18 @@ TEST(PositioningUncertainty, MisalignmentIsThatOfTheRuleOfThumb) {
   EXPECT_NEAR(2 * combined->u / um, 0.57735, 1e-5);
 }
 
+TEST(PositioningUncertainty, AxisWentFurtherThanAMisalignedBeamShows) {
+  // 1 mm over 500 mm: the beam shows up to R^2 / (2 L) = 1 um too little, on average 0.5 um.
+  RunTable table;
+  table.targets = {0, 500};
+  table.forward = (Eigen::MatrixXd(2, 2) << 0, 0, 5e-3, 5e-3).finished();
+  PositioningSetup setup;
+  setup.misalignment = 1;
+  const auto drawn = positioning_uncertainty(table, setup, 4000, 1);
+  ASSERT_TRUE(drawn);
+  EXPECT_NEAR(drawn->E.mean / um, 5.5, 0.03);
+}
+
 TEST(PositioningUncertainty, ExactSetUpLeavesTheScatterOfMeans) {
   RunTable table = test::slit_axis();
   const auto drawn = positioning_uncertainty(table, {}, 4000, 1);

@@ -12,14 +12,14 @@ double length_of(const PositioningFigures& figures) {
   return figures.targets.back().position - figures.targets.front().position;
 }
 
-/// What the set-up does to every reading alike: d(deviation) = scale * (position - first) + per run an
-/// offset.
+/// What the axis did beyond every reading alike: d(deviation) = scale * (position - first) + per run an
+/// offset. A beam at an angle to the axis shows too little travel: the axis went further, never less far.
 std::vector<Distribution> setup_inputs(const PositioningSetup& setup, const PositioningFigures& figures) {
   const double length = length_of(figures);
   const double cosine = setup.misalignment * setup.misalignment / (2 * length * length);
   std::vector<Distribution> inputs = {
       {Kind::normal, 0, setup.instrument_relative},
-      {Kind::rectangular, -cosine / 2, cosine / 2},
+      {Kind::rectangular, cosine / 2, cosine / 2},
       {Kind::rectangular, 0, setup.expansion * setup.temperature_range / 2},
       {Kind::rectangular, 0, setup.temperature_difference * setup.expansion_range / 2}};
   return inputs;
@@ -39,7 +39,7 @@ std::vector<UncertaintyInput> positioning_budget(const PositioningSetup& setup,
   const double length = length_of(figures);
   std::vector<UncertaintyInput> budget = {
       {"instrument", setup.instrument_relative, length},
-      // The beam measures up to R^2 / (2 L) too much, never too little.
+      // A beam counts L cos(R / L), up to R^2 / (2 L) too little and never too much.
       {"misalignment", uncertainty_of_range(setup.misalignment * setup.misalignment / (2 * length)), 1},
       {"temperature", uncertainty_of_range(setup.temperature_range), setup.expansion * length},
       {"expansion", uncertainty_of_range(setup.expansion_range), setup.temperature_difference * length},

@@ -128,17 +128,20 @@ class RtlReader {
   List list_ = List::none;
 };
 
-/// Directions of the runs: that in which their target numbers proceed; nothing for runs that do not.
-std::map<int, int> directions_of(const std::vector<RtlRow>& rows) {
-  std::map<int, int> last, direction;
-  for (const RtlRow& row : rows) {
+/// Directions of the runs: that in which the positions of their targets proceed, for a list of targets may
+/// itself fall; nothing for runs that do not proceed.
+std::map<int, int> directions_of(const RtlFile& rtl) {
+  std::map<int, double> last;
+  std::map<int, int> direction;
+  for (const RtlRow& row : rtl.rows) {
+    const double position = rtl.targets[static_cast<std::size_t>(row.target - 1)];
     const auto known = last.find(row.run);
     if (known != last.end()) {
-      const int step = row.target > known->second ? 1 : -1;
+      const int step = position > known->second ? 1 : -1;
       const auto before = direction.find(row.run);
       direction[row.run] = before == direction.end() || before->second == step ? step : 0;
     }
-    last[row.run] = row.target;
+    last[row.run] = position;
   }
   return direction;
 }
@@ -153,6 +156,11 @@ bool complete(const RtlFile& rtl, TextFindings& findings) {
   if (rtl.target_count && *rtl.target_count != static_cast<double>(rtl.targets.size()))
     complain(
         fmt::format("Target-count is {:g}, but there are {} targets", *rtl.target_count, rtl.targets.size()));
+  const auto beyond = std::find_if(rtl.rows.begin(), rtl.rows.end(), [&](const RtlRow& row) {
+    return static_cast<std::size_t>(row.target) > rtl.targets.size();
+  });
+  if (beyond != rtl.rows.end())
+    complain(fmt::format("a deviation at target {} of {}", beyond->target, rtl.targets.size()));
   return !findings.failed();
 }
 
@@ -169,12 +177,11 @@ Parsed<RunTable> read_rtl(const std::string& file, std::string_view text, const 
   }
   const MeasuredUnit* used = unit != nullptr ? unit : find_measured_unit("um");
   const bool rotary = rtl.owner.find("otary") != std::string::npos;
-  const std::map<int, int> directions = directions_of(rtl.rows);
+  const std::map<int, int> directions = directions_of(rtl);
   std::vector<RunReading> readings;
   for (const RtlRow& row : rtl.rows) {
     const auto direction = directions.find(row.run);
-    if (direction == directions.end() || direction->second == 0 ||
-        static_cast<std::size_t>(row.target) > rtl.targets.size()) {
+    if (direction == directions.end() || direction->second == 0) {
       findings.error("E-RTL-FORM", row.line,
                      fmt::format("run {} does not proceed from target to target", row.run),
                      "its direction of approach cannot be told", "export the runs as CSV");

@@ -47,24 +47,26 @@ Eigen::Index index_of(const std::vector<double>& targets, double value) {
   return above - targets.begin();
 }
 
-/// One direction of approach: numbers of runs as they first appear, and one column of readings for each.
+/// One direction of approach: numbers of runs as they first appear, and the readings of each by target. Until
+/// nothing is missing only what was read takes memory, whatever the columns of a file say.
 struct Direction {
   std::vector<int> runs;
-  std::vector<std::vector<const RunReading*>> columns;
+  std::vector<std::map<std::size_t, const RunReading*>> columns;
+  std::map<int, std::size_t> index;  ///< of a run
 
-  std::vector<const RunReading*>& column(int run, std::size_t targets) {
-    const auto known = std::find(runs.begin(), runs.end(), run);
-    if (known != runs.end()) return columns[static_cast<std::size_t>(known - runs.begin())];
+  std::map<std::size_t, const RunReading*>& column(int run) {
+    const auto [known, fresh] = index.try_emplace(run, runs.size());
+    if (!fresh) return columns[known->second];
     runs.push_back(run);
-    return columns.emplace_back(targets, nullptr);
+    return columns.emplace_back();
   }
 };
 
 void report_missing(const RunTable& table, const Direction& direction, const char* sign,
                     TextFindings& findings) {
   for (std::size_t j = 0; j < direction.columns.size(); ++j)
-    for (std::size_t i = 0; i < table.targets.size(); ++i)
-      if (direction.columns[j][i] == nullptr)
+    for (std::size_t i = 0; i < table.targets.size() && !findings.full(); ++i)
+      if (direction.columns[j].count(i) == 0)
         findings.error("E-RUN-MISSING", 0,
                        fmt::format("run {} in direction {} has no reading at {:.6g}", direction.runs[j], sign,
                                    shown(table.targets[i], table.target_quantity)),
@@ -77,7 +79,8 @@ Eigen::MatrixXd matrix_of(const Direction& direction, std::size_t targets) {
                          static_cast<Eigen::Index>(direction.columns.size()));
   for (std::size_t j = 0; j < direction.columns.size(); ++j)
     for (std::size_t i = 0; i < targets; ++i)
-      values(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = direction.columns[j][i]->deviation;
+      values(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          direction.columns[j].at(i)->deviation;
   return values;
 }
 
@@ -126,7 +129,7 @@ void judge_outliers(const RunTable& table, const Eigen::MatrixXd& values, const 
       const double apart = values(i, j) - median_of_others(values, i, j);
       if (std::abs(apart) < kOutlier * scatter) continue;
       const RunReading& reading =
-          *direction.columns[static_cast<std::size_t>(j)][static_cast<std::size_t>(i)];
+          *direction.columns[static_cast<std::size_t>(j)].at(static_cast<std::size_t>(i));
       findings.warning("W-RUN-OUTLIER", reading.line,
                        fmt::format("the reading differs by {:.3g} {} from the other runs at {:.6g}",
                                    shown_error(apart, table.quantity), error_unit(table.quantity),
@@ -218,8 +221,8 @@ Parsed<RunTable> sort_runs(const std::string& file, const std::vector<RunReading
   std::array<Direction, 2> directions;
   for (const RunReading& reading : readings) {
     const auto i = static_cast<std::size_t>(index_of(table.targets, reading.target));
-    auto& column = directions[reading.increasing ? 0 : 1].column(reading.run, table.targets.size());
-    if (column[i] != nullptr)
+    auto& column = directions[reading.increasing ? 0 : 1].column(reading.run);
+    if (column.count(i) != 0)
       findings.error("E-RUN-TWICE", reading.line,
                      fmt::format("run {} was already at {:.6g} in this direction (line {})", reading.run,
                                  shown(reading.target, target_quantity), column[i]->line),

@@ -68,11 +68,13 @@ struct RunReading {
 
 /// A laser interferometer's .rtl file. The form is known from programs of third parties, not from its maker:
 /// sections by name in any order, targets after "Targets :", then run, target number and deviation after "Run
-/// Target Data:". A run whose target numbers fall was approached with decreasing position.
+/// Target Data:". A run whose targets fall was approached with decreasing position, in whichever order the
+/// targets are listed.
 ///
-/// Targets are mm (deg for a rotary owner, told by the unit asked for); deviations are um when the file's
-/// owner is Linear and no unit is stated. errors   E-RTL-FORM (a section or number that is missing or not
-/// understood), E-RTL-UNIT (the owner is not
+/// Targets are mm (deg if the owner is rotary); deviations are um when the file's owner is Linear and no unit
+/// is stated.
+///
+/// errors   E-RTL-FORM (a section or number that is missing or not understood), E-RTL-UNIT (the owner is not
 ///          Linear and no unit is stated), and those of sort_runs; W-RTL-FORM says where the form comes from
 [[nodiscard]] Parsed<RunTable> read_rtl(const std::string& file, std::string_view text,
                                         const MeasuredUnit* unit = nullptr);

@@ -72,6 +72,16 @@ TEST(ReadRuns, EveryMistakeHasItsName) {
   EXPECT_EQ(code_of(head + "0,1,+,1\n100,1,+,1600\n"), "W-RUN-LARGE");
 }
 
+TEST(ReadRuns, RunsThatAreAllDifferentNeedNoMemoryForTheRest) {
+  // The numbers of rows in the column of runs: a full table would have 4e10 places.
+  constexpr int kRows = 200'000;
+  std::vector<RunReading> readings;
+  for (int i = 0; i < kRows; ++i) readings.push_back({1.0 * i, 0, i + 1, true, 0});
+  const auto runs = sort_runs("x.csv", readings, Quantity::length, Quantity::length);
+  EXPECT_EQ(first_code(runs.diagnostics), "E-RUN-MISSING");
+  EXPECT_LE(runs.diagnostics.size(), 100U);
+}
+
 TEST(ReadRuns, OutliersAreNamedNotDropped) {
   std::string text = "target [mm],run,direction,deviation [um]\n";
   for (int run = 1; run <= 5; ++run)
@@ -92,6 +102,17 @@ TEST(ReadRtl, RunsThatFallAreBackward) {
   EXPECT_EQ(runs.value->targets, (std::vector<double>{0, 100, 200}));
   EXPECT_NEAR(runs.value->forward(2, 0) / um, 2.5, 1e-12);
   EXPECT_NEAR(runs.value->backward(0, 0) / um, 5.5, 1e-12);
+}
+
+TEST(ReadRtl, DirectionIsThatOfThePositionsNotOfTheirNumbers) {
+  // Z is often listed downwards: the first run falls although the numbers of its targets rise.
+  std::string text = kRtl;
+  text.replace(text.find("Targets :"), 9, "Targets :\n0 -100 -200\nWas :");
+  const auto runs = read_runs("z.rtl", text);
+  ASSERT_TRUE(runs.value) << first_code(runs.diagnostics);
+  EXPECT_EQ(runs.value->targets, (std::vector<double>{-200, -100, 0}));
+  EXPECT_NEAR(runs.value->backward(0, 0) / um, 2.5, 1e-12);
+  EXPECT_NEAR(runs.value->forward(2, 0) / um, 5.5, 1e-12);
 }
 
 TEST(ReadRtl, OtherOwnersNeedAUnit) {
