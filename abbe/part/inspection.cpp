@@ -38,7 +38,7 @@ class Fitter {
       const SurfacePlace near = first ? touched.target.value_or(SurfacePlace{}) : point.foot.place;
       point.foot = known ? nominal_.from(near, point.measured) : nominal_(point.measured);
       point.linear = point.foot.distance;
-      if (touched.target)
+      if (touched.target && first)
         point.linear = (point.measured - evaluate(nominal_.surface(), *touched.target).p).norm();
       const double d = point.foot.deviation;
       const double off = std::sqrt(std::max(0.0, point.foot.distance * point.foot.distance - d * d));
@@ -83,6 +83,8 @@ class Fitter {
   Motion motion_;
 };
 
+}  // namespace
+
 InspectionFigures figures_of(const std::vector<InspectedPoint>& points) {
   InspectionFigures out;
   double sum = 0, squares = 0, linear = 0;
@@ -109,8 +111,6 @@ InspectionFigures figures_of(const std::vector<InspectedPoint>& points) {
   out.range = out.most - out.least;
   return out;
 }
-
-}  // namespace
 
 Inspection inspect_points(const NearestPoint& nominal, const std::vector<TouchedPoint>& points, BestFit fit,
                           double beside) {

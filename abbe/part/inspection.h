@@ -24,7 +24,7 @@ enum class BestFit {
 struct InspectedPoint {
   Vec3 measured = Vec3::Zero();  ///< after the fit
   SurfaceFoot foot;              ///< on the nominal surface
-  double linear = 0;             ///< mm: distance to the target, or to the foot where there is none
+  double linear = 0;             ///< mm: distance to the target; to the foot after a fit or without target
   bool used = true;              ///< false: beside the patch, not part of fit and figures
 };
 
@@ -34,7 +34,9 @@ struct InspectedPoint {
 ///     profile                  2 max |d|: width of the zone about the nominal surface that holds all points
 ///                              (ISO 1101 profile of a surface, the zone equally disposed)
 ///     range                    most - least: the same with a zone that may lie anywhere
-///     linear                   mean distance between point and target: the "total linear error"
+///     linear                   mean distance between point and target, the "total linear error"; after a fit
+///     to the
+///                              foot, for a fit does not tell how the surface slid within itself
 struct InspectionFigures {
   std::size_t count = 0, beside = 0;
   double mean = 0, rms = 0, least = 0, most = 0, profile = 0, range = 0;
@@ -51,6 +53,9 @@ struct Inspection {
 };
 
 inline constexpr int kMostFits = 30;
+
+/// Of the points with `used`; least = most = 0 without any.
+[[nodiscard]] InspectionFigures figures_of(const std::vector<InspectedPoint>& points);
 
 /// Deviations of measured points from the nominal surface, along its normals.
 ///
