@@ -43,7 +43,7 @@ struct PartBox {
 /// cost     100 bytes per piece kept
 class ToolWay {
  public:
-  static constexpr std::size_t kMostPieces = 1500000;  ///< with the tree over them 300 MB
+  static constexpr std::size_t kMostPieces = 1000000;  ///< 300 MB while the tree over them is made
 
   ToolWay(const Cutter& cutter, const Disturbance& disturbance, const PartBox& region);
 

@@ -24,7 +24,7 @@ struct PoseJob {
   double rapid_speed = 10000;    ///< mm/min, for the time only
   /// The plan after so many seconds, for errors that depend on time; empty: one plan throughout.
   std::function<std::optional<Plan>(double seconds)> plan_at;
-  double time_step = 5;  ///< s: how often it is asked
+  double time_step = 10;  ///< s: how often it is asked
 };
 
 struct PoseReport {

@@ -139,10 +139,10 @@ TEST(ProgramPoses, DriftGrowsWithTime) {
   std::string program = "G21 G90 G54 G94\nG0 X0 Y0 Z0\nG1 Z-1 F600\n";
   for (int k = 0; k < 10; ++k) program += k % 2 == 0 ? "G1 X100\n" : "G1 X0\n";
   const Followed is = follow(drifting, program + "M2\n", DatumRule::probed, true);
-  // 10 s per pass, 0.5 um per s; a motion has the plan of its start, renewed every 5 s.
+  // 10 s per pass, 0.5 um per s; a motion has the plan of its start, renewed every 10 s.
   for (std::size_t k = 1; k < is.motions.size(); ++k) {
     const double z = is.motions[k].poses.back().tip.z() + 1;
-    EXPECT_NEAR(z, 0.5 * um * is.motions[k].time, (10 + 5.1) * 0.5 * um) << k;
+    EXPECT_NEAR(z, 0.5 * um * is.motions[k].time, (10 + 10.1) * 0.5 * um) << k;
     const double before = is.motions[k - 1].poses.back().tip.z() + 1;
     EXPECT_TRUE(k == 1 || z > before) << k;
   }

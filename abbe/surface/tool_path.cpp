@@ -13,8 +13,10 @@ namespace {
 
 constexpr std::size_t kStations = 48;  // per knot span along a pass, at most kMostStations in all
 constexpr std::size_t kMostStations = 400;
+constexpr std::size_t kScan = 8;    // samples per knot span and direction
 constexpr double kSteep = 0.02;     // least n.z a tool along z can reach
 constexpr double kGouge = 1e-6;     // mm
+constexpr double kRight = 1e-13;    // of scallop or step: all platforms write the same digits
 constexpr double kLeftOver = 1e-3;  // of a step
 constexpr int kDeepest = 14;        // halvings between two stations
 
@@ -41,8 +43,9 @@ class Planner {
   }
 
   std::variant<ToolPath, ToolPathFault> run() {
+    scan();
     std::vector<double> a(b_.size(), range_[0]);
-    emit(a, {});
+    if (!fault_) emit(a, {});
     while (!fault_ && *std::min_element(a.begin(), a.end()) < range_[1]) {
       const std::vector<double> before = a;
       advance(a);
@@ -58,6 +61,19 @@ class Planner {
   }
 
  private:
+  /// The narrowest hollow of all is worth more to the user than the first contact that fails.
+  void scan() {
+    double narrowest = 1;
+    SurfacePlace where;
+    for (const double u : span_samples(surface_, 0, kScan))
+      for (const double v : span_samples(surface_, 1, kScan)) {
+        const double share = curvature_at(evaluate(surface_, {u, v})).most * job_.radius;
+        if (share >= narrowest) narrowest = share, where = {u, v};
+      }
+    if (narrowest > 1)
+      fail(ToolPathFault::Kind::curvature, evaluate(surface_, where), job_.radius / narrowest, where);
+  }
+
   [[nodiscard]] SurfacePlace place(double a, double b) const {
     return job_.along_v ? SurfacePlace{a, b} : SurfacePlace{b, a};
   }
@@ -117,7 +133,7 @@ class Planner {
       for (int i = 0; i < 12; ++i) {
         const double is = share(a[j], da, b_[j], tangent);
         if (a[j] + da >= range_[1] && is <= 1) break;  // the rim is near enough
-        if (std::abs(is - 1) < 1e-9) break;
+        if (std::abs(is - 1) < kRight) break;
         da = std::min(da * std::clamp(1 / std::max(is, 1e-9), 0.2, 5.0), whole);
       }
       // What is left of a step at the rim would be a pass of its own.

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "abbe/machine/profile.h"
-#include "abbe/machine/read_profile.h"
 #include "abbe/surface/test_surfaces.h"
 #include "abbe/surface/write_tool_path.h"
 
@@ -119,7 +118,16 @@ TEST(WriteToolPath, ProgramsSpeakTheControlsLanguage) {
   const ToolPath path = path_of(plane_patch(10, 4), job);
   ToolPathText text;
   text.name = "plate (one)";
-  const auto program = write_program(path, text, Profile(*embedded_profile("linuxcnc")));
+  Profile control;
+  EXPECT_FALSE(write_program(path, text, control)) << "a control without codes";
+  control.g[0].meaning = Meaning::rapid;
+  control.g[10].meaning = Meaning::line;
+  control.g[210].meaning = Meaning::units_mm;
+  control.g[900].meaning = Meaning::absolute;
+  control.g[940].meaning = Meaning::per_minute;
+  control.g[540] = {Meaning::work_offset, false, 0, 1, 0};
+  control.m[2].meaning = Meaning::end;
+  const auto program = write_program(path, text, control);
   ASSERT_TRUE(program);
   EXPECT_EQ(*program,
             "%\n(plate  one , ball of 3 mm)\nG21 G90 G94 G54\nG0 X0.0000 Y0.0000 Z5.0000\nG1 Z0.0000 "

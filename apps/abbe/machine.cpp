@@ -26,7 +26,7 @@ namespace {
 struct MachineArguments {
   ProgramArguments program;
   std::string input, surface, cutter = "ball:3", grid = "10x10", points, output;
-  double length = 0, reach = 1, noise_um = 0, wear_um_per_m = 0, worn_um = 0;
+  double length = 0, reach = 1, noise_um = 0, wear_um_per_m = 0, worn_um = 0, time_step = 10;
   std::uint64_t seed = 1;
   bool clock = false, ideal = false;
 };
@@ -83,6 +83,7 @@ PoseJob pose_job(const MachineArguments& arguments, const ProgramSetting& settin
   job.path = job.name = arguments.input;
   job.setup = setting.job.setup;
   job.datum = setting.job.datum;
+  job.time_step = arguments.time_step;
   if (arguments.clock)
     job.plan_at = [&setting](double seconds) -> std::optional<Plan> {
       Environment environment = setting.setting.environment;
@@ -296,6 +297,10 @@ Verb machine_verb(CLI::App& program, Session& session) {
   verb->add_option("--worn-um", arguments->worn_um, "what the cutter has lost before")
       ->check(CLI::Range(0.0, 1e3));
   verb->add_flag("--clock", arguments->clock, "t is the time of the program: errors that depend on t drift");
+  verb->add_option("--time-step-s", arguments->time_step,
+                   "how often the machine is looked at anew with --clock")
+      ->check(CLI::Range(0.1, 1e5))
+      ->capture_default_str();
   verb->add_flag("--ideal", arguments->ideal, "without errors: what cutter and tool path leave");
   return {verb, [arguments, &session] { run_machine(*arguments, session); }};
 }

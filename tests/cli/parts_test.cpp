@@ -1,0 +1,198 @@
+// `abbe toolpath`, `machine` and `inspect`: closed forms on plane, cylinder and sphere, JSON, wrong input.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "run_program.h"
+
+namespace abbe::cli {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+constexpr double kDigits = 1.2e-4;  // mm: rounding of the program, a few digits of 0.1 um
+constexpr double kChord = 1e-3;     // mm: default tolerance of tool paths
+
+const std::string kMill = R"(format = 1
+[machine]
+name = "mill"
+chain = "w X b Y Z t"
+[axis.X]
+errors_seen = "tool"
+[axis.Y]
+[axis.Z]
+[tool]
+origin = [0, 0, 300]
+length = 100
+)";
+
+const std::string kPlane = R"(format = 1
+[surface]
+name = "slope"
+degree = [1, 1]
+points = [[[0, 0, 0], [0, 20, 0]], [[40, 0, 8], [40, 20, 8]]]
+)";
+
+class Parts : public ::testing::Test {
+ protected:
+  /// Tool path and part on a machine with these errors; the answer of `machine`.
+  json cut(const std::string& surface, const std::string& errors, std::vector<std::string> options = {}) {
+    const std::string machine = folder_.put("mill.toml", kMill + errors),
+                      part = folder_.put("part.toml", surface);
+    const ProgramRun path = run(
+        {"toolpath", part, "--scallop-um", "5", "-o", folder_ / "part.ngc", "--cl", folder_ / "part.cls"});
+    EXPECT_EQ(path.exit, 0) << path.err;
+    std::vector<std::string> all{
+        "machine",         machine,   folder_ / "part.ngc", "--surface", part, "--offset",
+        "G54=X0,Y0,Z-200", "--start", "X0,Y0,Z0",           "--json",    "-o", folder_ / "points.csv"};
+    all.insert(all.end(), options.begin(), options.end());
+    const ProgramRun made = run(all);
+    EXPECT_EQ(made.exit, 0) << made.err;
+    return made.exit == 0 ? json::parse(made.out) : json();
+  }
+  ProgramRun run(const std::vector<std::string>& words) { return run_abbe(words, {}, folder_.path()); }
+  std::string code(const std::vector<std::string>& words, int exit = 2) {
+    const ProgramRun is = run(words);
+    EXPECT_EQ(is.exit, exit) << is.err;
+    const std::size_t at = is.err.find('[');
+    return at == std::string::npos ? "" : is.err.substr(at + 1, is.err.find(']') - at - 1);
+  }
+  Folder folder_;
+};
+
+TEST_F(Parts, APerfectMachineLeavesScallopsOnly) {
+  const json is = cut(kPlane, "");
+  EXPECT_EQ(is["verb"], "machine");
+  EXPECT_EQ(is["points"].size(), 100u);
+  EXPECT_GE(is["deviation"]["least_mm"], -kDigits);
+  EXPECT_LE(is["deviation"]["most_mm"], 0.005 + kDigits);
+  EXPECT_GT(is["deviation"]["most_mm"], 0.003);
+}
+
+TEST_F(Parts, SquarenessShearsTheSlope) {
+  // EB0Z = 500 urad tilts Z towards +X: x = 5e-4 z at the height z over the datum, so the slope of 1 in 5 is
+  // shifted: deviation = n . (5e-4 z, 0, 0), n = (-1, 0, 5) / sqrt(26)
+  const json perfect = cut(kPlane, ""), sheared = cut(kPlane, "[errors]\nEB0Z = 500\n");
+  for (std::size_t k = 0; k < 100; ++k) {
+    const double z = perfect["points"][k]["nominal_mm"][2];
+    const double more = sheared["points"][k]["deviation_mm"].get<double>() -
+                        perfect["points"][k]["deviation_mm"].get<double>();
+    // The tip stands where the tool does: z of the tip, not of the contact, counts (0.058 mm higher here).
+    EXPECT_NEAR(more, -5e-4 * z / std::sqrt(26.0), 3e-4) << k;
+  }
+  const double low = sheared["points"][0]["deviation_mm"], high = sheared["points"][95]["deviation_mm"];
+  EXPECT_LT(high, low - 4e-4) << "material is missing where Z is high";
+}
+
+TEST_F(Parts, SmallErrorsAddUp) {
+  const std::string a = "EZX = { poly = [0, 0.2] }\n", b = "EYY = { poly = [0, 0.3] }\nEXZ = 4\n";
+  const json none = cut(kPlane, ""), first = cut(kPlane, "[errors]\n" + a),
+             second = cut(kPlane, "[errors]\n" + b), both = cut(kPlane, "[errors]\n" + a + b);
+  const auto at = [](const json& j, std::size_t k) { return j["points"][k]["deviation_mm"].get<double>(); };
+  for (std::size_t k = 0; k < 100; ++k)
+    EXPECT_NEAR(at(both, k) - at(none, k), at(first, k) + at(second, k) - 2 * at(none, k), 5e-5) << k;
+}
+
+TEST_F(Parts, CompensationTakesTheErrorsAway) {
+  const std::string errors = "[errors]\nEZX = { poly = [0, 0.5] }\nEYY = { poly = [0, 0.3] }\nEB0Z = 100\n";
+  const json before = cut(kPlane, errors), perfect = cut(kPlane, errors, {"--ideal"});
+  const ProgramRun done = run({"compensate", folder_ / "mill.toml", folder_ / "part.ngc", "-o",
+                               folder_ / "c.ngc", "--offset", "G54=X0,Y0,Z-200", "--start", "X0,Y0,Z0"});
+  ASSERT_EQ(done.exit, 0) << done.err;
+  const ProgramRun after =
+      run({"machine", folder_ / "mill.toml", folder_ / "c.ngc", "--surface", folder_ / "part.toml",
+           "--offset", "G54=X0,Y0,Z-200", "--start", "X0,Y0,Z0", "--json"});
+  ASSERT_EQ(after.exit, 0) << after.err;
+  EXPECT_GT(before["deviation"]["most_mm"], 0.012);
+  const json is = json::parse(after.out);
+  for (std::size_t k = 0; k < 100; ++k)
+    EXPECT_NEAR(is["points"][k]["deviation_mm"].get<double>(),
+                perfect["points"][k]["deviation_mm"].get<double>(), 5e-4)
+        << k;
+}
+
+TEST_F(Parts, WearLeavesMaterialAndNoiseRepeats) {
+  const json sharp = cut(kPlane, ""), worn = cut(kPlane, "", {"--worn-um", "4"});
+  EXPECT_NEAR(worn["deviation"]["least_mm"].get<double>() - sharp["deviation"]["least_mm"].get<double>(),
+              0.004, 2e-5);
+  const json noisy = cut(kPlane, "", {"--noise-um", "2", "--seed", "5"}),
+             again = cut(kPlane, "", {"--noise-um", "2", "--seed", "5"});
+  EXPECT_EQ(noisy["points"], again["points"]);
+  EXPECT_NE(noisy["points"], sharp["points"]);
+  EXPECT_LT(noisy["deviation"]["least_mm"], sharp["deviation"]["least_mm"]);
+}
+
+TEST_F(Parts, InspectReadsWhatMachineWrites) {
+  const json made = cut(kPlane, "[errors]\nEZX = { poly = [0, 0.2] }\n");
+  const std::vector<std::string> inspect{"inspect", folder_ / "part.toml", folder_ / "points.csv", "--json"};
+  const ProgramRun none = run(inspect);
+  ASSERT_EQ(none.exit, 0) << none.err;
+  const json is = json::parse(none.out);
+  EXPECT_NEAR(is["deviation"]["profile_mm"], made["deviation"]["profile_mm"], 1e-6);
+  EXPECT_NEAR(is["deviation"]["linear_mm"], made["deviation"]["linear_mm"], 1e-6);
+  std::vector<std::string> fitted = inspect;
+  fitted.insert(fitted.end(), {"--fit", "rigid", "--svg", folder_ / "map.svg", "--csv", folder_ / "out.csv"});
+  const ProgramRun rigid = run(fitted);
+  ASSERT_EQ(rigid.exit, 0) << rigid.err;
+  const json fit = json::parse(rigid.out);
+  EXPECT_EQ(fit["fit"]["rank"], 3) << "a plane";
+  EXPECT_LT(fit["deviation"]["profile_mm"], 0.006) << "the tilt is fitted away, the scallops stay";
+  EXPECT_TRUE(std::ifstream(folder_ / "map.svg").good());
+}
+
+TEST_F(Parts, PointsOfAMeasuringMachineAreRead) {
+  const std::string part = folder_.put("part.toml", kPlane);
+  const std::string points =
+      folder_.put("cmm.csv", "id,mx,my,mz\n1,10,5,2.01\n2,20,10,4.01\n3,30,15,6.01\n4,15,18,3.01\n");
+  const ProgramRun is = run({"inspect", part, points, "--columns", "mx,my,mz", "--json"});
+  ASSERT_EQ(is.exit, 0) << is.err;
+  EXPECT_NEAR(json::parse(is.out)["deviation"]["mean_mm"], 0.01 * 5 / std::sqrt(26.0), 1e-9);
+  const ProgramRun ball =
+      run({"inspect", part, points, "--columns", "mx,my,mz", "--probe-radius-mm", "0.005", "--json"});
+  EXPECT_NEAR(json::parse(ball.out)["deviation"]["mean_mm"], 0.01 * 5 / std::sqrt(26.0) - 0.005, 1e-9);
+  EXPECT_EQ(run({"inspect", part, points, "--columns", "mx,my,mz", "--limit-um", "5", "--strict"}).exit, 4);
+}
+
+TEST_F(Parts, ClDataOfAPathAreRead) {
+  cut(kPlane, "");
+  const ProgramRun is = run({"compensate", folder_ / "mill.toml", folder_ / "part.cls", "-o",
+                             folder_ / "c.cls", "--offset", "G54=X0,Y0,Z-200", "--start", "X0,Y0,Z0"});
+  EXPECT_EQ(is.exit, 0) << is.err;
+}
+
+TEST_F(Parts, MistakesAreNamed) {
+  const std::string part = folder_.put("part.toml", kPlane), mill = folder_.put("mill.toml", kMill);
+  const std::string hollow = folder_.put("hollow.toml",
+                                         "format = 1\n[surface]\ndegree = [2, 1]\npoints = [[[-2, 0, 2], "
+                                         "[-2, 9, 2]], [[0, 0, -2], [0, 9, -2]], [[2, 0, 2], [2, 9, 2]]]\n");
+  const std::string program = folder_.put("a.ngc", "G21 G90 G54\nG0 X0 Y0 Z5\nG1 Z0 F100\nG1 X5\nM2\n");
+  const std::string no_y = folder_.put(
+      "no_y.toml", "format = 1\n[machine]\nname = \"m\"\nchain = \"w X b Z t\"\n[axis.X]\n[axis.Z]\n");
+  EXPECT_EQ(code({"toolpath", hollow}), "E-PATH-CURVATURE");
+  EXPECT_EQ(code({"toolpath", folder_.put("under.toml", kPlane + "outward = \"v x u\"\n")}),
+            "E-PATH-UNDERCUT");
+  EXPECT_EQ(code({"toolpath", part, "--step-mm", "0.001"}), "E-PATH-ENDLESS");
+  EXPECT_EQ(code({"toolpath", part, "--cutter", "flat:3"}), "E-OPTION");
+  EXPECT_EQ(code({"machine", mill, program, "--surface", part, "--cutter", "bull:3"}), "E-OPTION");
+  EXPECT_EQ(code({"machine", mill, program, "--surface", part, "--grid", "10"}), "E-OPTION");
+  EXPECT_EQ(code({"machine", mill, program, "--surface", "none.toml"}), "E-FILE");
+  EXPECT_EQ(
+      code({"machine", no_y, program, "--surface", part, "--offset", "G54=X0,Y0,Z0", "--start", "X0,Y0,Z0"},
+           3),
+      "E-AXIS");
+  EXPECT_EQ(code({"inspect", part, folder_.put("p.csv", "a,b,c\n1,2,3\n")}), "E-COLUMN");
+  EXPECT_EQ(code({"inspect", part, folder_.put("q.csv", "x,y,z\n1,,3\n")}), "E-CELL");
+  EXPECT_EQ(code({"inspect", part, folder_.put("r.csv", "x,y,z\n")}), "E-CSV");
+  EXPECT_EQ(code({"inspect", part, folder_.put("s.csv", "x,y,z\n90,9,1\n10,5,2\n"), "--strict"}, 4),
+            "W-PART-BESIDE");
+}
+
+}  // namespace
+}  // namespace abbe::cli
