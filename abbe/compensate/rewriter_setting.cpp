@@ -49,7 +49,7 @@ bool Rewriter::settings() {
                  "end the rotation before (G69)");
     return false;
   }
-  if (const Word* t = instruction_.find(block_, 'T')) {
+  if (const Word* t = instruction_.find(*block_, 'T')) {
     const auto number = whole(t);
     if (!number) {
       refuse(*t, "E-TOOL", "a tool number is a whole number", "the tool in the spindle is not known otherwise", "correct it");
@@ -58,7 +58,7 @@ bool Rewriter::settings() {
     selected_tool_ = number;
   }
   if (instruction_.set_tool) {
-    const auto number = whole(instruction_.find(block_, 'Q'));
+    const auto number = whole(instruction_.find(*block_, 'Q'));
     if (!number) {
       refuse_block("E-TOOL", "M61 without a tool number Q", "the tool in the spindle is not known", "write M61 Q1");
       return false;
@@ -93,7 +93,7 @@ bool Rewriter::settings() {
 bool Rewriter::turn_frame() {
   const Word* x = axis_word(0);
   const Word* y = axis_word(1);
-  const Word* r = instruction_.find(block_, 'R');
+  const Word* r = instruction_.find(*block_, 'R');
   const bool on = instruction_.rotation == 1;
   if (on && (!x || !y || !r || modal_.plane != Plane::xy || modal_.incremental || in_.frames.rotated())) {
     refuse_block("E-ROTATION", "a rotation is followed with X, Y and R, in G17 and G90, one at a time",
@@ -111,7 +111,7 @@ bool Rewriter::turn_frame() {
 
 bool Rewriter::tool_length() {
   Vec3 tlo = in_.frames.tool_offset();
-  const Word* number_word = instruction_.find(block_, 'H');
+  const Word* number_word = instruction_.find(*block_, 'H');
   offset_doubtful_ = false;
   if (profile_.tools.moves && (!axis_word(2) || modal_.incremental)) {
     // Parameters say whether the axis moves at once: it is known again when the program commands it.
@@ -257,9 +257,9 @@ bool Rewriter::set_g92() {
 }
 
 bool Rewriter::set_work_offset() {
-  const auto l = whole(instruction_.find(block_, 'L'));
-  const auto p = whole(instruction_.find(block_, 'P'));
-  const Word* rotation = instruction_.find(block_, 'R');
+  const auto l = whole(instruction_.find(*block_, 'L'));
+  const auto p = whole(instruction_.find(*block_, 'P'));
+  const Word* rotation = instruction_.find(*block_, 'R');
   if (l != 2 && l != 20) {
     refuse_block("E-G10", "only G10 L2 and G10 L20 are followed", "other forms change the control's tool data", "set tool data outside the program");
     return false;

@@ -14,9 +14,9 @@ class DeviationTally {
   [[nodiscard]] DeviationSummary summary() const;
 
  private:
-  DeviationSummary worst_;
+  DeviationSummary worst_;  ///< without `max` and `rms`
   double squares_ = 0, weights_ = 0;
-  double marked_ = 0;  ///< square of the deviation at max_line
+  double largest_ = 0, marked_ = 0;  ///< squares: of the largest deviation, of the one at max_line
 };
 
 /// At most `limit` samples, evenly spread over however many come: every n-th is kept, and when there is
