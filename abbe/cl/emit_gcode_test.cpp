@@ -42,17 +42,15 @@ std::vector<Block> blocks_of(const std::string& text, const Machine& machine) {
 }
 
 std::string emit(const Plan& plan, const std::string& text, bool ideal, GcodeReport& report) {
-  const std::string path = ::testing::TempDir() + "abbe_emit_" + std::to_string(::getpid());
-  std::ofstream(path, std::ios::binary) << text;
+  const TestFile file(text);
   GcodeJob job;
-  job.path = path;
+  job.path = file.path();
   job.name = "part.cls";
   job.ideal = ideal;
   job.probed_datum = false;
   job.start[1] = 30 * deg;
   auto spool = SpoolFile::create("-");
   report = emit_gcode(plan, job, std::get<SpoolFile>(spool));
-  ::unlink(path.c_str());
   return report.complete ? slurp(std::get<SpoolFile>(spool).temporary_path()) : std::string();
 }
 
