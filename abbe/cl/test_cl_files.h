@@ -90,8 +90,8 @@ struct Options {
 };
 
 struct ClRun {
-  ClReport rewrite;
-  ClVerifyReport verify;
+  RewriteReport rewrite;
+  VerifyReport verify;
   std::string output;  ///< empty: refused
 
   [[nodiscard]] std::string findings() const {
@@ -140,7 +140,7 @@ void set_options(const Options& options, Job& job) {
   job.max_correction = options.max_correction;
 }
 
-inline ClVerifyReport verify_texts(const Plan& plan, const std::string& original, const std::string& output,
+inline VerifyReport verify_texts(const Plan& plan, const std::string& original, const std::string& output,
                                  const Options& options = {}) {
   const TestFile a(original), b(output);
   ClVerifyJob job;
