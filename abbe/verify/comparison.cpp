@@ -11,7 +11,6 @@ namespace abbe::verifying {
 namespace {
 
 constexpr std::size_t kMaxDisagreements = 20;
-constexpr std::size_t kMaxDatums = 1000;
 /// How far to look for an event that came too late.
 constexpr int kLookAhead = 16;
 /// Differences of frames and ways of axes that are rounding of double arithmetic.
@@ -325,11 +324,7 @@ void Comparison::update_context() {
   const Vec3 origin = frames.system().origin + frames.tool_offset;
   model_.stand({{}, {}, false, 0});
   datum_ = model_.actual(origin, Approach{}, nullptr) - model_.nominal(origin);
-  const DatumShift shift{work_offset_label(frames.active), tool.value_or(-1), datum_};
-  const bool known = std::any_of(report_.datums.begin(), report_.datums.end(), [&](const DatumShift& other) {
-    return other.frame == shift.frame && other.tool == shift.tool && other.removed == shift.removed;
-  });
-  if (!known && report_.datums.size() < kMaxDatums) report_.datums.push_back(shift);
+  note_datum(report_.datums, {work_offset_label(frames.active), tool.value_or(-1), datum_});
 }
 
 /// Where the rotary axes of both programs stand from now on. False: the tip cannot be followed there (reported).

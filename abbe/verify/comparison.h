@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
+#include "abbe/core/path_tally.h"
 #include "abbe/verify/nominal_path.h"
 #include "abbe/verify/reader.h"
-#include "abbe/verify/tally.h"
 #include "abbe/verify/tip_model.h"
 #include "abbe/verify/verify.h"
 

@@ -1,9 +1,9 @@
-#include "abbe/verify/tally.h"
+#include "abbe/core/path_tally.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace abbe::verifying {
+namespace abbe {
 
 // Of places that are equally bad the first is named, whatever the last digits of a processor say.
 constexpr double kMoreThanRounding = 1 + 1e-9;
@@ -41,4 +41,4 @@ void SampleKeeper::add(const PathSample& sample) {
   if (kept_.size() < limit_) kept_.push_back(sample);
 }
 
-}  // namespace abbe::verifying
+}  // namespace abbe
