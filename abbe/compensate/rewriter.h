@@ -76,9 +76,9 @@ class Rewriter {
   [[nodiscard]] bool smooths_more_than_tolerance() const;
   void pass(std::string& out);
   void write_header(std::string& out);
-  void refuse(const Word& word, const char* code, std::string message, const char* why, const char* fix);
-  void refuse_block(const char* code, std::string message, const char* why, const char* fix);
-  void warn(const char* code, std::string message, const char* why, const char* fix);
+  [[gnu::cold]] void refuse(const Word& word, const char* code, std::string message, const char* why, const char* fix);
+  [[gnu::cold]] void refuse_block(const char* code, std::string message, const char* why, const char* fix);
+  [[gnu::cold]] void warn(const char* code, std::string message, const char* why, const char* fix);
   void end_line(std::string& out, std::size_t begin);
   void check_length(std::size_t bytes);
   /// A block of its own behind the one that is split: " X1.5 Y2.", with the block delete of the original.

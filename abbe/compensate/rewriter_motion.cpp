@@ -328,8 +328,8 @@ void Rewriter::write_pieces(const Move& move, const std::vector<Piece>& pieces, 
     const bool first = j == 0, last = j + 1 == pieces.size();
     extra.clear();
     command(piece.want, first, p_out, &extra);
-    command_turns(move, piece, first, &extra);
-    put_feed_share(piece.s1 - piece.s0, first, &extra);
+    if (move.turns()) command_turns(move, piece, first, &extra);
+    if (timed_feed_ > 0 || modal_.feed_mode == 930) put_feed_share(piece.s1 - piece.s0, first, &extra);
     if (!last && first && timed_feed_ == 0) stops_to_last(true, nullptr);
     if (!first && last && timed_feed_ == 0) stops_to_last(false, &extra);
     if (first || extra.empty()) continue;  // empty: the rounded end is where the last piece went

@@ -56,8 +56,8 @@ class Control {
   [[nodiscard]] bool ended() const { return ended_; }
 
  private:
-  bool refuse(std::size_t column, const char* code, std::string message, std::string why, std::string fix);
-  bool refuse_at(char letter, const char* code, std::string message, std::string why, std::string fix);
+  [[gnu::cold]] bool refuse(std::size_t column, const char* code, std::string message, std::string why, std::string fix);
+  [[gnu::cold]] bool refuse_at(char letter, const char* code, std::string message, std::string why, std::string fix);
   bool use(char letter);  ///< false (refused) if another code already used this word
   bool use_all(Letters letters);
   bool execute_settled();

@@ -33,8 +33,6 @@ bool Control::turn_words_allowed() {
 
 /// Takes A B C of a straight move or an arc.
 bool Control::read_turns(bool machine_words) {
-  motion_.turns_end = turns_;
-  if ((block_->words & letters('A', 'B', 'C')) == 0) return true;
   for (int k = 0; k < 3; ++k) {
     const char letter = turn_letter(k);
     if (!block_->has(letter)) continue;

@@ -125,7 +125,7 @@ void Comparison::cover(const Motion& original) {
 /// One motion of the output; true if the original is covered or no further piece makes sense.
 bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   const Motion& original = cover.motion;
-  if (!check_turns(original, piece)) return true;
+  if (model_.rotary().any() && !check_turns(original, piece)) return true;
   if (original_.deletable() != output_.deletable())
     disagree("V-EVENT", "one of the blocks can be deleted with '/', the other not");
   const double piece_length = length_of(piece);

@@ -290,7 +290,6 @@ void Comparison::check_turning_feed(const TurnCover& cover) {
 
 /// Rotary axes turn in the output if and only if they do in the original, to within what a correction may be.
 bool Comparison::check_turns(const Motion& original, const Motion& output) {
-  if (!model_.rotary().any()) return true;
   for (std::size_t k = 0; k < 3; ++k) {
     const double way = original.turns_end[k] - original.turns_start[k];
     const double its_way = output.turns_end[k] - output.turns_start[k];
