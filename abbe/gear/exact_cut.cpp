@@ -135,4 +135,25 @@ std::optional<double> cut_exactly(const Gear& gear, const WheelInGap& wheel,
   return std::min(*least, *last);
 }
 
+std::optional<double> second_order(const Gear& gear, const WheelInGap& wheel,
+                                   const WheelDeviations& deviations) {
+  constexpr std::size_t kGaps = 3;
+  const auto teeth = static_cast<std::size_t>(gear.spec.teeth);
+  const double near_tip = gear.form_roll + 0.95 * (gear.tip_roll - gear.form_roll);
+  double most = 0;
+  for (std::size_t k = 0; k < kGaps; ++k)
+    for (const Flank flank : {Flank::right, Flank::left})
+      for (const double roll : {gear.form_roll, gear.reference_roll, near_tip})
+        for (const double part : {-0.45, 0.0, 0.45}) {
+          const std::size_t gap = k * teeth / kGaps;
+          const double z = part * gear.spec.face_width;
+          const std::optional<WheelContact> contact = wheel_contact(gear, wheel, flank, roll);
+          const std::optional<double> exact = cut_exactly(gear, wheel, deviations, gap, flank, roll, z);
+          if (!contact || !exact) return std::nullopt;
+          most =
+              std::max(most, std::abs(*exact - flank_deviation(gear, wheel, deviations, gap, *contact, z)));
+        }
+  return most;
+}
+
 }  // namespace abbe

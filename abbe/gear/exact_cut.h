@@ -21,4 +21,9 @@ namespace abbe {
                                                 const WheelDeviations& deviations, std::size_t gap,
                                                 Flank flank, double roll, double z);
 
+/// Most that flank_deviation differs from cut_exactly at a few points of a few gaps: form, reference and near
+/// the tip, at both ends and the middle of the face. nullopt: cut_exactly has no answer somewhere.
+[[nodiscard]] std::optional<double> second_order(const Gear& gear, const WheelInGap& wheel,
+                                                 const WheelDeviations& deviations);
+
 }  // namespace abbe
