@@ -99,6 +99,7 @@ int run(int argc, char** argv) {
       evaluate_verb(program, session),
       fit_verb(program, session),
       simulate_verb(program, session),
+      gear_verb(program, session),
   };
   const std::vector<std::string> words(argv + 1, argv + argc);
   try {
