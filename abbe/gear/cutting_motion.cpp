@@ -100,7 +100,8 @@ double CuttingMotion::time(const CuttingSpec& cutting, std::size_t gap, std::siz
 
 std::variant<CuttingMotion, CuttingProblem> plan_cutting(const Machine& machine, const GearJob& job,
                                                          const WheelInGap& wheel, std::size_t nodes,
-                                                         const AxisCommands& start) {
+                                                         const AxisCommands& start,
+                                                         const PoseChange& change) {
   CuttingMotion motion;
   motion.stroke = stroke_of(job, wheel);
   motion.nodes = nodes;
@@ -112,8 +113,9 @@ std::variant<CuttingMotion, CuttingProblem> plan_cutting(const Machine& machine,
   const Tool tool = tool_of(machine);
   for (int gap = 0; gap < job.gear.spec.teeth; ++gap)
     for (std::size_t node = 0; node < nodes; ++node) {
-      const TipAndAxis pose =
-          wheel_pose(job, wheel, static_cast<std::size_t>(gap), motion.height(node), motion.axis_sign);
+      const auto index = static_cast<std::size_t>(gap);
+      const TipAndAxis nominal = wheel_pose(job, wheel, index, motion.height(node), motion.axis_sign);
+      const TipAndAxis pose = change ? change(index, motion.height(node), nominal) : nominal;
       const InverseResult found = path.pose(plan, tool, pose.position, pose.tool_axis);
       if (!sign || found.status == Status::failed)
         return CuttingProblem{

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -45,6 +46,9 @@ struct CuttingMotion {
   [[nodiscard]] double time(const CuttingSpec& cutting, std::size_t gap, std::size_t node) const;
 };
 
+/// Changes a pose of the wheel: gap, height above the middle of the face, the nominal pose.
+using PoseChange = std::function<TipAndAxis(std::size_t gap, double height, const TipAndAxis& nominal)>;
+
 /// Why a machine cannot cut a gear.
 struct CuttingProblem {
   enum class Trouble {
@@ -58,13 +62,12 @@ struct CuttingProblem {
 /// that are not correctable); of two ends of the wheel axis the one that needs less turning is taken.
 ///
 /// start    where the machine stands: decides the branch
+/// change   null: nominal poses
 /// errors   CuttingProblem
 /// laws     CommandsBringTheWheelToItsPose
 /// cost     one inverse per gap and node
-[[nodiscard]] std::variant<CuttingMotion, CuttingProblem> plan_cutting(const Machine& machine,
-                                                                       const GearJob& job,
-                                                                       const WheelInGap& wheel,
-                                                                       std::size_t nodes,
-                                                                       const AxisCommands& start);
+[[nodiscard]] std::variant<CuttingMotion, CuttingProblem> plan_cutting(
+    const Machine& machine, const GearJob& job, const WheelInGap& wheel, std::size_t nodes,
+    const AxisCommands& start, const PoseChange& change = {});
 
 }  // namespace abbe

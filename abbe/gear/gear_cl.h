@@ -1,15 +1,10 @@
 #pragma once
 
-#include <functional>
 #include <string>
 
 #include "abbe/gear/cutting_motion.h"
 
 namespace abbe {
-
-/// Changes a pose of the wheel before it is written: gap, height above the middle of the face, the nominal
-/// pose.
-using PoseChange = std::function<TipAndAxis(std::size_t gap, double height, const TipAndAxis& nominal)>;
 
 /// The cut as CL data: wheel centre and wheel axis in the workpiece frame, every gap with a stroke upwards.
 ///

@@ -180,7 +180,9 @@ std::variant<MachineCut, MissingSensors> cut_on_machine(const Machine& machine, 
       nominal.q = motion.commands[gap * motion.nodes + node];
       const Mat3 axes = gap_axes(job, gap, motion.height(node));
       const WheelPlace place(plans.plan(), nominal, axes);
-      const AxisCommands q = cutter.commands(plans.plan(), nominal, place, cut);
+      Query sent = nominal;
+      if (options.sent != nullptr) sent.q = (*options.sent)[gap * motion.nodes + node];
+      const AxisCommands q = cutter.commands(plans.plan(), sent, place, cut);
       cut.deviations.of(gap, node) = place.deviation(q, cut.outside);
       cut.commands.push_back(q);
       for (std::size_t i = 0; i < q.size(); ++i)

@@ -32,6 +32,9 @@ struct CutOptions {
   CutCorrection correction = CutCorrection::none;
   AxisSet free = 0;       ///< axes that a correction may move
   CorrectOptions solver;  ///< of `pose`
+  /// Commands in place of the motion's own, as many; null: those. `pose` corrects them, `flank` does not know
+  /// them.
+  const std::vector<AxisCommands>* sent = nullptr;
   ErrorModel model = ErrorModel::rigid;
   Environment environment;
   SensorCourse course;
