@@ -103,15 +103,16 @@ class Cutter {
       : options_(options), influences_(influence_rows(wheel)) {}
 
   /// AxisCommands to send at this place.
+  /// known   deviation beyond what the machine says
   [[nodiscard]] AxisCommands commands(const Plan& plan, const Query& nominal, const WheelPlace& place,
-                                      MachineCut& cut) {
+                                      const Twist& known, MachineCut& cut) {
     switch (options_.correction) {
       case CutCorrection::none:
         return nominal.q;
       case CutCorrection::pose:
         return for_the_pose(plan, nominal, cut);
       case CutCorrection::flank:
-        return for_the_flanks(nominal, place, cut);
+        return for_the_flanks(nominal, place, known, cut);
     }
     return nominal.q;
   }
@@ -124,14 +125,14 @@ class Cutter {
     return found.corrected;
   }
 
-  [[nodiscard]] AxisCommands for_the_flanks(const Query& nominal, const WheelPlace& place,
+  [[nodiscard]] AxisCommands for_the_flanks(const Query& nominal, const WheelPlace& place, const Twist& known,
                                             MachineCut& cut) const {
     const Eigen::MatrixXd effects = influences_ * place.effects(options_.free);
     AxisCommands q = nominal.q;
     for (int step = 0; step < kFlankSteps; ++step) {
       const Twist twist = place.deviation(q, cut.outside);
       Vec6 both;
-      both << twist.d, twist.e;
+      both << twist.d + known.d, twist.e + known.e;
       TriangularFactor factor(effects.cols());
       factor.add(effects, -influences_ * both);
       const LeastSquaresSolution solution = solve(factor, {kInvisible, false});
@@ -182,7 +183,8 @@ std::variant<MachineCut, MissingSensors> cut_on_machine(const Machine& machine, 
       const WheelPlace place(plans.plan(), nominal, axes);
       Query sent = nominal;
       if (options.sent != nullptr) sent.q = (*options.sent)[gap * motion.nodes + node];
-      const AxisCommands q = cutter.commands(plans.plan(), sent, place, cut);
+      const Twist known = options.known != nullptr ? options.known->of(gap, node) : Twist{};
+      const AxisCommands q = cutter.commands(plans.plan(), sent, place, known, cut);
       cut.deviations.of(gap, node) = place.deviation(q, cut.outside);
       cut.commands.push_back(q);
       for (std::size_t i = 0; i < q.size(); ++i)

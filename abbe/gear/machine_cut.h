@@ -35,6 +35,9 @@ struct CutOptions {
   /// Commands in place of the motion's own, as many; null: those. `pose` corrects them, `flank` does not know
   /// them.
   const std::vector<AxisCommands>* sent = nullptr;
+  /// Deviations known from elsewhere (measured flanks), at the motion's places: `flank` makes up for them
+  /// too.
+  const WheelDeviations* known = nullptr;
   ErrorModel model = ErrorModel::rigid;
   Environment environment;
   SensorCourse course;

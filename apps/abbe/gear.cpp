@@ -28,7 +28,9 @@ Verb gear_verb(CLI::App& program, Session& session) {
   CLI::App* command =
       program.add_subcommand("gear", "gears: their flanks, how a machine cuts them, and back");
   command->require_subcommand(1);
-  const std::vector<Verb> kinds = {gear_make_verb(*command, session), gear_cut_verb(*command, session)};
+  const std::vector<Verb> kinds = {gear_make_verb(*command, session), gear_cut_verb(*command, session),
+                                   gear_sensitivity_verb(*command, session),
+                                   gear_correct_verb(*command, session)};
   return {command, [kinds] {
             for (const Verb& kind : kinds) {
               if (kind.command->parsed()) kind.run();

@@ -4,7 +4,6 @@
 #include <string>
 #include <variant>
 
-#include "abbe/core/number.h"
 #include "abbe/core/units.h"
 #include "abbe/gear/exact_cut.h"
 #include "abbe/gear/gear_cl.h"
@@ -68,26 +67,6 @@ bool teeth_exist(const GearCutArguments& arguments, const GearJob& job, Session&
       return false;
     }
   return true;
-}
-
-/// Commands of every gap and place: heights above the middle of the face, seconds, axes in mm and degrees.
-std::string motions_csv(const CutAnswer& answer) {
-  const Machine& machine = answer.loaded.setting.machine;
-  const CuttingMotion& motion = answer.loaded.motion;
-  std::string csv = "gap,height_mm,time_s";
-  for (int i = 0; i < machine.axis_count(); ++i) csv += "," + machine.axis(i).name;
-  csv += '\n';
-  for (std::size_t k = 0; k < answer.cut.commands.size(); ++k) {
-    const std::size_t gap = k / motion.nodes, node = k % motion.nodes;
-    csv += fmt::format("{},{:.6f},{:.3f}", gap + 1, motion.height(node),
-                       motion.time(answer.loaded.gear.job.cutting, gap, node));
-    for (int i = 0; i < machine.axis_count(); ++i) {
-      csv += ',';
-      append_fixed(csv, answer.cut.commands[k][static_cast<std::size_t>(i)] / machine.axis_unit(i), 7);
-    }
-    csv += '\n';
-  }
-  return csv;
 }
 
 /// Traces of the shown teeth, as `gear correct` reads them.
@@ -187,17 +166,17 @@ void run_gear_cut(const GearCutArguments& arguments, Session& session) {
   const auto text_if = [](const std::string& path, auto make) {
     return path.empty() ? std::string() : make();
   };
-  if (!write_outputs(
-          {{"--cl", arguments.cl,
-            text_if(arguments.cl,
-                    [&] {
-                      return write_gear_cl(loaded->gear.job, loaded->gear.wheel, loaded->motion.axis_sign,
-                                           kClTolerance);
-                    })},
-           {"--motions", arguments.motions, text_if(arguments.motions, [&] { return motions_csv(answer); })},
-           {"--points", arguments.points,
-            text_if(arguments.points, [&] { return points_csv(answer, *inspection); })}},
-          loaded->inputs, session))
+  if (!write_outputs({{"--cl", arguments.cl,
+                       text_if(arguments.cl,
+                               [&] {
+                                 return write_gear_cl(loaded->gear.job, loaded->gear.wheel,
+                                                      loaded->motion.axis_sign, kClTolerance);
+                               })},
+                      {"--motions", arguments.motions,
+                       text_if(arguments.motions, [&] { return motions_csv(*loaded, answer.cut.commands); })},
+                      {"--points", arguments.points,
+                       text_if(arguments.points, [&] { return points_csv(answer, *inspection); })}},
+                     loaded->inputs, session))
     return;
   warn(answer, session);
   session.out.write(arguments.machine.common.json ? json_of(answer) : text_of(answer));

@@ -4,6 +4,7 @@
 
 #include <variant>
 
+#include "abbe/core/number.h"
 #include "abbe/evaluate/measured_table.h"
 #include "pose_source.h"
 
@@ -58,7 +59,13 @@ std::optional<CuttingMotion> plan_or_report_cutting(const Machine& machine, cons
   auto planned =
       plan_cutting(machine, gear.job, gear.wheel, static_cast<std::size_t>(arguments.nodes), start);
   if (auto* motion = std::get_if<CuttingMotion>(&planned)) return std::move(*motion);
-  const CuttingProblem& problem = std::get<CuttingProblem>(planned);
+  report_cutting(std::get<CuttingProblem>(planned), arguments, session);
+  return std::nullopt;
+}
+
+}  // namespace
+
+void report_cutting(const CuttingProblem& problem, const GearMachineArguments& arguments, Session& session) {
   const bool axes = problem.trouble == CuttingProblem::Trouble::axes;
   Diagnostic error;
   error.code = axes ? "E-GEAR-AXES" : "E-TRAVEL";
@@ -68,10 +75,7 @@ std::optional<CuttingMotion> plan_or_report_cutting(const Machine& machine, cons
   error.fix = axes ? "a machine that turns the gear and, for helical gears, swivels the wheel"
                    : "another wheel, [cutting] middle, or --near";
   session.report(error, axes ? Exit::invalid : Exit::outside);
-  return std::nullopt;
 }
-
-}  // namespace
 
 void add_gear_machine_options(CLI::App& command, GearMachineArguments& arguments, Session& session) {
   add_common_options(command, arguments.common, session);
@@ -101,6 +105,25 @@ std::optional<GearOnMachine> load_gear_on_machine(const GearMachineArguments& ar
     if (!path.empty()) inputs.push_back(path);
   return GearOnMachine{std::move(*setting), std::move(*gear), std::move(*motion), std::move(*course),
                        std::move(inputs)};
+}
+
+std::string motions_csv(const GearOnMachine& loaded, const std::vector<AxisCommands>& commands) {
+  const Machine& machine = loaded.setting.machine;
+  const CuttingMotion& motion = loaded.motion;
+  std::string csv = "gap,height_mm,time_s";
+  for (int i = 0; i < machine.axis_count(); ++i) csv += "," + machine.axis(i).name;
+  csv += '\n';
+  for (std::size_t k = 0; k < commands.size(); ++k) {
+    const std::size_t gap = k / motion.nodes, node = k % motion.nodes;
+    csv += fmt::format("{},{:.6f},{:.3f}", gap + 1, motion.height(node),
+                       motion.time(loaded.gear.job.cutting, gap, node));
+    for (int i = 0; i < machine.axis_count(); ++i) {
+      csv += ',';
+      append_fixed(csv, commands[k][static_cast<std::size_t>(i)] / machine.axis_unit(i), 7);
+    }
+    csv += '\n';
+  }
+  return csv;
 }
 
 CutOptions cut_options(const GearOnMachine& loaded) {

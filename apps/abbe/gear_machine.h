@@ -34,6 +34,13 @@ struct GearOnMachine {
 [[nodiscard]] std::optional<GearOnMachine> load_gear_on_machine(const GearMachineArguments& arguments,
                                                                 Session& session);
 
+/// E-GEAR-AXES or E-TRAVEL.
+void report_cutting(const CuttingProblem& problem, const GearMachineArguments& arguments, Session& session);
+
+/// Commands of every gap and place as CSV: heights above the middle of the face, seconds, axes in the machine
+/// file's units.
+[[nodiscard]] std::string motions_csv(const GearOnMachine& loaded, const std::vector<AxisCommands>& commands);
+
 /// Options of a cut without correction.
 [[nodiscard]] CutOptions cut_options(const GearOnMachine& loaded);
 
