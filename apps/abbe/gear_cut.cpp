@@ -7,6 +7,7 @@
 #include "abbe/core/units.h"
 #include "abbe/gear/exact_cut.h"
 #include "abbe/gear/gear_cl.h"
+#include "abbe/report/gear_figure.h"
 #include "gear_machine.h"
 #include "gear_report.h"
 #include "output_file.h"
@@ -22,7 +23,7 @@ constexpr std::size_t kEveryPoint = 5;  // of the traces is written with --point
 
 struct GearCutArguments {
   GearMachineArguments machine;
-  std::string correction = "none", method = "newton", cl, motions, points;
+  std::string correction = "none", method = "newton", cl, motions, points, svg;
   std::vector<std::string> lock;
   std::vector<int> teeth;
 };
@@ -87,6 +88,24 @@ std::string points_csv(const CutAnswer& answer, const GearInspection& inspection
         row(reference, traces.z[i], traces.helix[i]);
     }
   return csv;
+}
+
+std::string chart_of(const CutAnswer& answer, const GearInspection& inspection) {
+  const GearJob& job = answer.loaded.gear.job;
+  GearChart chart;
+  chart.title = fmt::format("{} on {}", job.gear.spec.name, answer.loaded.setting.machine.name);
+  chart.remark = fmt::format("module {:g} mm, {} teeth, helix {:g} deg, face {:g} mm; correction: {}",
+                             job.gear.spec.module, job.gear.spec.teeth,
+                             job.gear.spec.hand * job.gear.spec.helix_angle / deg, job.gear.spec.face_width,
+                             answer.arguments.correction);
+  chart.figures = answer.figures;
+  for (const int tooth : shown_teeth(job, answer.arguments.teeth)) {
+    if (chart.teeth.size() == kMostChartTeeth) break;
+    chart.teeth.push_back({tooth,
+                           {inspection.traces(answer.cut.deviations, tooth - 1, Flank::right),
+                            inspection.traces(answer.cut.deviations, tooth - 1, Flank::left)}});
+  }
+  return figure_of_gear(job, chart);
 }
 
 std::string text_of(const CutAnswer& answer) {
@@ -166,17 +185,19 @@ void run_gear_cut(const GearCutArguments& arguments, Session& session) {
   const auto text_if = [](const std::string& path, auto make) {
     return path.empty() ? std::string() : make();
   };
-  if (!write_outputs({{"--cl", arguments.cl,
-                       text_if(arguments.cl,
-                               [&] {
-                                 return write_gear_cl(loaded->gear.job, loaded->gear.wheel,
-                                                      loaded->motion.axis_sign, kClTolerance);
-                               })},
-                      {"--motions", arguments.motions,
-                       text_if(arguments.motions, [&] { return motions_csv(*loaded, answer.cut.commands); })},
-                      {"--points", arguments.points,
-                       text_if(arguments.points, [&] { return points_csv(answer, *inspection); })}},
-                     loaded->inputs, session))
+  if (!write_outputs(
+          {{"--cl", arguments.cl,
+            text_if(arguments.cl,
+                    [&] {
+                      return write_gear_cl(loaded->gear.job, loaded->gear.wheel, loaded->motion.axis_sign,
+                                           kClTolerance);
+                    })},
+           {"--motions", arguments.motions,
+            text_if(arguments.motions, [&] { return motions_csv(*loaded, answer.cut.commands); })},
+           {"--svg", arguments.svg, text_if(arguments.svg, [&] { return chart_of(answer, *inspection); })},
+           {"--points", arguments.points,
+            text_if(arguments.points, [&] { return points_csv(answer, *inspection); })}},
+          loaded->inputs, session))
     return;
   warn(answer, session);
   session.out.write(arguments.machine.common.json ? json_of(answer) : text_of(answer));
@@ -206,6 +227,8 @@ Verb gear_cut_verb(CLI::App& gear, Session& session) {
   command->add_option("--motions", arguments->motions, "axis commands of every gap, as sent: CSV")
       ->type_name("FILE");
   command->add_option("--points", arguments->points, "deviations of the shown teeth along their traces: CSV")
+      ->type_name("FILE");
+  command->add_option("--svg", arguments->svg, "gear chart: profiles, helices, pitch, runout (SVG)")
       ->type_name("FILE");
   return {command, [arguments, &session] { run_gear_cut(*arguments, session); }};
 }
