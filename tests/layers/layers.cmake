@@ -4,7 +4,7 @@ cmake_minimum_required(VERSION 3.25)
 # A stage is a folder of abbe/. Entries are stages, or single headers of a stage.
 
 set(stages core errors machine chain kernel rt symbols volume program compensate verify
-    signal capture ballbar evaluate identify fit simulate cl report pipeline)
+    signal capture ballbar evaluate identify fit simulate cl gear report pipeline)
 set(core_may)
 set(errors_may core)
 set(machine_may core errors)
@@ -24,7 +24,8 @@ set(identify_may core errors machine chain signal ballbar)
 set(fit_may core errors machine chain signal evaluate)
 set(simulate_may core errors machine chain signal capture ballbar evaluate fit)
 set(cl_may core errors machine chain)
-set(report_may core errors machine chain kernel volume program compensate verify signal ballbar evaluate identify fit cl)
+set(gear_may core errors machine chain)
+set(report_may core errors machine chain kernel volume program compensate verify signal ballbar evaluate identify fit cl gear)
 set(pipeline_may core errors machine chain kernel volume program compensate verify cl report)
 
 # Third-party headers outside the standard library and Eigen: only in .cpp files, and only here.
