@@ -25,6 +25,7 @@ namespace {
 
 using testing::Random;
 using testing::random_machine;
+using testing::random_programs;
 
 /// Lost motion of every axis in its own direction and across it, as a constant and growing with the position.
 std::string random_lost_motion(Random& random) {
