@@ -50,12 +50,12 @@ bool Rewriter::settings() {
                  "end the rotation before (G69)");
     return false;
   }
-  if (const Word* t = instruction_.find(block_, 'T')) {
+  if (const Word* t = instruction_.find(*block_, 'T')) {
     selected_tool_ = tool_number(*t);
     if (!selected_tool_) return false;
   }
   if (instruction_.set_tool) {
-    const auto number = whole(instruction_.find(block_, 'Q'));
+    const auto number = whole(instruction_.find(*block_, 'Q'));
     if (!number) {
       refuse_block("E-TOOL", "M61 without a tool number Q", "the tool in the spindle is not known", "write M61 Q1");
       return false;
@@ -92,7 +92,7 @@ bool Rewriter::settings() {
 
 // A number, or the name of a tool of the table. Nothing: refused.
 std::optional<int> Rewriter::tool_number(const Word& word) const {
-  const std::string_view said = block_.text.substr(word.number, static_cast<std::size_t>(word.end - word.number));
+  const std::string_view said = block_->text.substr(word.number, static_cast<std::size_t>(word.end - word.number));
   const bool named = said.size() >= 2 && said.front() == '"';
   return named ? tool_named(job_.setup.tools, said.substr(1, said.size() - 2)) : whole(&word);
 }
@@ -112,7 +112,7 @@ bool Rewriter::choose_work_offset() {
 bool Rewriter::make_frame() {
   const GCode zero = instruction_.zero;
   const bool turns = zero >= 681, anew = zero == 521 || zero == 681;
-  const Word* angle = instruction_.find(block_, 'R');
+  const Word* angle = instruction_.find(*block_, 'R');
   if (angle != nullptr && (modal_.plane != Plane::xy || in_.frames.rotated() != in_.frames.turned())) {
     refuse_block("E-ROTATION", "a rotation out of G17 or in a rotated work offset", "about which axis the rest turns is not followed", "write G17; set the offset without rotation");
     return false;
@@ -138,7 +138,7 @@ bool Rewriter::make_frame() {
 bool Rewriter::turn_frame() {
   const Word* x = axis_word(0);
   const Word* y = axis_word(1);
-  const Word* r = instruction_.find(block_, 'R');
+  const Word* r = instruction_.find(*block_, 'R');
   const bool on = instruction_.rotation == 1;
   if (on && (!x || !y || !r || modal_.plane != Plane::xy || modal_.incremental || in_.frames.rotated())) {
     refuse_block("E-ROTATION", "a rotation is followed with X, Y and R, in G17 and G90, one at a time",
@@ -157,7 +157,7 @@ bool Rewriter::turn_frame() {
 bool Rewriter::tool_length() {
   Vec3 tlo = in_.frames.tool_offset();
   const bool by_edge = profile_.tools.edges == Profile::Tools::Edges::table;
-  const Word* number_word = instruction_.find(block_, by_edge ? 'D' : 'H');
+  const Word* number_word = instruction_.find(*block_, by_edge ? 'D' : 'H');
   offset_doubtful_ = false;
   if (profile_.tools.moves && (!axis_word(2) || modal_.incremental)) {
     // Parameters say whether the axis moves at once: it is known again when the program commands it.
@@ -308,9 +308,9 @@ bool Rewriter::set_g92() {
 }
 
 bool Rewriter::set_work_offset() {
-  const auto l = whole(instruction_.find(block_, 'L'));
-  const auto p = whole(instruction_.find(block_, 'P'));
-  const Word* rotation = instruction_.find(block_, 'R');
+  const auto l = whole(instruction_.find(*block_, 'L'));
+  const auto p = whole(instruction_.find(*block_, 'P'));
+  const Word* rotation = instruction_.find(*block_, 'R');
   if (l != 2 && l != 20) {
     refuse_block("E-G10", "only G10 L2 and G10 L20 are followed", "other forms change the control's tool data", "set tool data outside the program");
     return false;

@@ -19,8 +19,8 @@ constexpr double kLargestNumber = 9999;
 // False: refused, because the block does more than call or return.
 bool Rewriter::only_changes_flow(std::string_view words) {
   int codes = 0;
-  for (int i = 0; i < block_.count; ++i) {
-    const Word& word = block_.words[static_cast<std::size_t>(i)];
+  for (int i = 0; i < block_->count; ++i) {
+    const Word& word = block_->words[static_cast<std::size_t>(i)];
     if (word.letter == 'M' ? ++codes == 1 : words.find(word.letter) != std::string_view::npos) continue;
     refuse(word, "E-OWORD", "a call or return of a subprogram beside other words", "in which order they act is not sure", "give it a block of its own");
     return false;
@@ -31,8 +31,8 @@ bool Rewriter::only_changes_flow(std::string_view words) {
 // The number of the subprogram that the block calls, once and with nothing beside it. Nothing: refused.
 std::optional<int> Rewriter::called_number() {
   if (!only_changes_flow("NPL")) return std::nullopt;
-  const Word* p = instruction_.find(block_, 'P');
-  const Word* l = instruction_.find(block_, 'L');
+  const Word* p = instruction_.find(*block_, 'P');
+  const Word* l = instruction_.find(*block_, 'L');
   if (p == nullptr || p->value < 1 || p->value > kLargestNumber || p->value != static_cast<int>(p->value) || (l != nullptr && l->value != 1)) {
     refuse_block("E-OWORD", "a subprogram is called more than once, or its number is not a P from 1 to 9999",
                  "each time it runs elsewhere it needs other corrections", "post the calls expanded: the subprogram's blocks in place of each call");
@@ -63,6 +63,8 @@ void Rewriter::run_subprogram() {
     return;
   }
   ++depth_;
+  Block* const calling = block_;
+  Block block;
   Called called{found->first_line, found->first_line + found->lines.size(), found->lines.front()};
   ++report_.lines_out;
   returned_ = false;
@@ -71,7 +73,10 @@ void Rewriter::run_subprogram() {
       called.text += found->lines[i];
       ++report_.lines_out;
     } else {
-      line(found->lines[i], found->first_line + i, false, called.text);
+      number_ = found->first_line + i;
+      const auto error = read_line(found->lines[i], block);
+      block_ = &block;
+      line(error, false, called.text);
     }
     if (ended_) {
       refuse_block("E-OWORD", "the program ends inside a subprogram", "what follows the call is then not run", "end subprograms with M99");
@@ -80,6 +85,7 @@ void Rewriter::run_subprogram() {
   }
   if (!returned_ && !findings_.refused()) refuse_block("E-OWORD", fmt::format("subprogram {} does not end with M99", *number), "where it goes on is not sure", "end it with M99");
   returned_ = false;
+  block_ = calling;
   --depth_;
   const std::uint64_t first = called.first;
   run_.emplace(first, std::move(called));

@@ -295,7 +295,7 @@ bool Rewriter::choose_turning_feed(const Move& move, const Stop& start, const st
 void Rewriter::write_timed(const Move& move, const std::vector<Piece>& pieces, std::string& out) {
   const std::string inner_eol = file_eol_.empty() ? std::string("\n") : file_eol_;
   const std::string_view line_eol = eol_;
-  const char* const slash = block_.slash ? "/" : "";
+  const char* const slash = block_->slash ? "/" : "";
   eol_ = inner_eol;
   out += fmt::format("{}G93{}", slash, inner_eol);
   // what acts after the motion comes behind it

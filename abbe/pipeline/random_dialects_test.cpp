@@ -3,27 +3,22 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <memory>
 #include <numbers>
-#include <sstream>
 #include <string>
 
 #include "abbe/core/units.h"
-#include "abbe/machine/read_machine.h"
 #include "abbe/machine/read_profile.h"
-#include "abbe/pipeline/compensate_program.h"
 #include "abbe/pipeline/test_random_machine.h"
+#include "abbe/pipeline/test_run_program.h"
 
 namespace abbe {
 namespace {
 
-using testing::Random;
-using testing::random_machine;
+using namespace testing;
 
 /// What a control's programs look like.
 struct Style {
@@ -174,48 +169,15 @@ class DialectWriter {
   bool incremental_ = false;
 };
 
-std::string slurp(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-struct Case {
-  ProgramOutcome outcome;
-  std::string output;
-};
-
-Case run(const Style& style, const std::string& machine_text, const std::string& program) {
-  Case result;
-  const auto machine = read_machine({"machine.toml", machine_text}, std::nullopt, {});
-  EXPECT_TRUE(machine.value);
-  if (!machine.value) return result;
-  const auto plan = make_plan(*machine.value, {});
-  const std::string stem = ::testing::TempDir() + "abbe_dialect_" + std::to_string(::getpid());
-  std::ofstream(stem + ".nc", std::ios::binary) << program;
-  ProgramJob job;
-  job.program = stem + ".nc";
-  job.output = stem + ".out.nc";
-  job.header = HeaderForm::none;
+ProgramRun run(const Style& style, const std::string& machine, const std::string& program) {
+  ProgramJob job = plain_program_job();
   Profile profile = *embedded_profile(style.dialect);
   if (style.increments) profile.numbers.integer_words = Profile::IntegerWords::increments;
   job.setup.profile = std::make_shared<const Profile>(std::move(profile));
-  job.setup.work_offsets[0] = WorkOffset{{30, -20, 15}, 0};
   job.setup.further_offsets[style.names ? 5 : 2] = WorkOffset{{-40, 25, 5}, 0};
   job.setup.tools[1] = ToolEntry{1, 1, {0, 0, 80}, 80.0, 10, "name=\"MILL 10\""};
   job.setup.block_delete = ControlSetup::BlockDelete::off;
-  result.outcome = compensate_program(std::get<Plan>(plan), job);
-  result.output = slurp(job.output);
-  ::unlink(job.program.c_str());
-  ::unlink(job.output.c_str());
-  return result;
-}
-
-std::string findings(const ProgramOutcome& outcome) {
-  std::string all;
-  for (const auto& d : outcome.diagnostics) all += to_text(d) + "\n";
-  return all;
+  return run_program(plan_of(machine), program, job);
 }
 
 class RandomDialects : public ::testing::TestWithParam<Style> {};
@@ -228,7 +190,7 @@ TEST_P(RandomDialects, AreVerifiedOnRandomMachines) {
     Random random(seed);
     const std::string machine = random_machine(random, 0.7);
     const std::string program = DialectWriter(random, style).write(25);
-    const Case result = run(style, machine, program);
+    const ProgramRun result = run(style, machine, program);
     if (result.outcome.end == ProgramEnd::refused) {
       // a cycle whose correction bends inside it; what follows is judged from where it would have ended
       const bool bends = std::any_of(result.outcome.diagnostics.begin(), result.outcome.diagnostics.end(), [](const Diagnostic& d) { return d.code == "E-CYCLE"; });
@@ -248,7 +210,7 @@ TEST_P(RandomDialects, ZeroErrorsChangeNoByte) {
     Random random(seed);
     const std::string machine = random_machine(random, 0.0);
     const std::string program = DialectWriter(random, style).write(30);
-    const Case result = run(style, machine, program);
+    const ProgramRun result = run(style, machine, program);
     ASSERT_EQ(result.outcome.end, ProgramEnd::done) << "seed " << seed << "\n" << findings(result.outcome) << program;
     ASSERT_EQ(result.output, program) << "seed " << seed;
   }
@@ -264,6 +226,74 @@ INSTANTIATE_TEST_SUITE_P(Controls, RandomDialects,
                          [](const auto& test) {
                            return std::string(test.param.dialect) + (test.param.increments ? "_increments" : "");
                          });
+
+/// A table that turns about `tilt` and C.
+std::string tilting_table(char tilt) {
+  return fmt::format(R"(format = 1
+[machine]
+chain = "w C {0} b Y X Z t"
+[axis.{0}]
+direction = [{1}, {2}, 0]
+origin = [0, 5, -100]
+errors_seen = "body"
+[axis.C]
+direction = [0, 0, 1]
+errors_seen = "body"
+[tool]
+length = 80
+[control]
+mode = "axis"
+[errors]
+EXX = {{ poly = [0, 0.5] }}
+EC0{0} = 25
+EZ0{0} = -90
+EX0C = 140
+EAC = {{ sine = [12, 0.0174533, 1.0] }}
+EBC = {{ sine = [15, 0.0174533, 0.4] }}
+)",
+                     tilt, tilt == 'A' ? 1 : 0, tilt == 'B' ? 1 : 0);
+}
+
+std::string findings_of_pair(const ProgramJob& job, const std::string& machine, const std::string& original,
+                             const std::string& output) {
+  const TestFile a(original), b(output);
+  ProgramJob both = job;
+  both.program = a.path();
+  return findings(verify_programs(plan_of(machine), both, b.path()));
+}
+
+// A30000 is 30 degrees where an increment is 0.001 degree, as X30000 is 30 mm. The rewriter must write for
+// the integers what it writes for points; the verifier, given one text as the original and the other's
+// result, must agree.
+TEST(IntegerWords, OfRotaryAxesCountThousandthsOfADegree) {
+  for (const char tilt : {'A', 'B'}) {
+    const std::string machine = tilting_table(tilt);
+    const auto program = [&](const char* text) { return fmt::format(fmt::runtime(text), tilt); };
+    const std::string points = program(
+                          "G21 G90 G94 G17 G54\nG0 X10. Y20. Z50. {0}1. C1.\nG0 X11. Y21. Z51. {0}30. C-45.\n"
+                          "G93 G1 X30. Y22. Z52. {0}31. C10. F2.\nM30\n"),
+                      integers = program(
+                          "G21 G90 G94 G17 G54\nG0 X10000 Y20000 Z50000 {0}1000 C1000\nG0 X11000 Y21000 "
+                          "Z51000 {0}30000 C-45000\n"
+                          "G93 G1 X30000 Y22000 Z52000 {0}31000 C10000 F2.\nM30\n");
+    ProgramJob job = plain_program_job();
+    Profile profile = *embedded_profile("fanuc");
+    profile.numbers.integer_words = Profile::IntegerWords::increments;
+    job.setup.profile = std::make_shared<const Profile>(std::move(profile));
+    const ProgramRun a = run_program(plan_of(machine), points, job),
+                     b = run_program(plan_of(machine), integers, job);
+    ASSERT_EQ(a.outcome.end, ProgramEnd::done) << findings(a.outcome);
+    ASSERT_EQ(b.outcome.end, ProgramEnd::done) << findings(b.outcome);
+    EXPECT_GT(a.outcome.verify.before.max, 0.02) << "an error that the unit of an angle changes";
+    EXPECT_DOUBLE_EQ(a.outcome.verify.before.max, b.outcome.verify.before.max);
+    EXPECT_EQ(a.output.substr(a.output.find("\nG93")), b.output.substr(b.output.find("\nG93"))) << b.output;
+    for (const auto& [original, output] : {std::pair{points, b.output}, {integers, a.output}})
+      EXPECT_EQ(findings_of_pair(job, machine, original, output), "");
+    std::string wrong = a.output;
+    wrong.replace(wrong.find("C-4"), 3, "C-5");
+    EXPECT_NE(findings_of_pair(job, machine, integers, wrong), "");
+  }
+}
 
 }  // namespace
 }  // namespace abbe

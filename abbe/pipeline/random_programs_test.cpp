@@ -3,29 +3,23 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <numbers>
-#include <random>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "abbe/core/units.h"
-#include "abbe/machine/read_machine.h"
-#include "abbe/pipeline/compensate_program.h"
 #include "abbe/pipeline/diff_programs.h"
 #include "abbe/pipeline/test_random_machine.h"
+#include "abbe/pipeline/test_run_program.h"
 
 namespace abbe {
 namespace {
 
-using testing::Random;
-using testing::random_machine;
-using testing::random_programs;
+using namespace testing;
 
 /// Lost motion of every axis in its own direction and across it, as a constant and growing with the position.
 std::string random_lost_motion(Random& random) {
@@ -157,50 +151,19 @@ class ProgramWriter {
   bool incremental_ = false;
 };
 
-struct Case {
-  std::string machine, program;
-  ProgramOutcome outcome;
-  std::string output;
-};
-
-std::string slurp(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-Case run(const std::string& machine_text, const std::string& program, bool header, bool reversal = false, double rotation = 0) {
-  Case result{machine_text, program, {}, {}};
-  const auto machine = read_machine({"machine.toml", machine_text}, std::nullopt, {});
-  EXPECT_TRUE(machine.value) << (machine.diagnostics.empty() ? "" : to_text(machine.diagnostics.front()));
-  if (!machine.value) return result;
-  const auto plan = make_plan(*machine.value, {});
-  const std::string stem = ::testing::TempDir() + "abbe_random_" + std::to_string(::getpid());
-  std::ofstream(stem + ".ngc", std::ios::binary) << program;
-  ProgramJob job;
-  job.program = stem + ".ngc";
-  job.output = stem + ".out.ngc";
+ProgramRun run(const std::string& machine, const std::string& program, bool header, bool reversal = false,
+               double rotation = 0) {
+  ProgramJob job = plain_program_job();
   job.header = header ? HeaderForm::inline_comments : HeaderForm::none;
   job.version = "test";
   job.reversal = reversal;
-  job.setup.work_offsets[0] = WorkOffset{{30, -20, 15}, rotation};
-  job.setup.tools[1] = ToolEntry{1, 1, {0, 0, 80}, 80.0, 10, ""};
-  result.outcome = compensate_program(std::get<Plan>(plan), job);
-  result.output = slurp(job.output);
-  if (result.outcome.end == ProgramEnd::done && !header) {
-    const DiffReport diff = diff_programs(job.program, job.output, {});
-    EXPECT_TRUE(diff.same_program) << (diff.diagnostics.empty() ? "" : to_text(diff.diagnostics.front()));
-  }
-  ::unlink(job.program.c_str());
-  ::unlink(job.output.c_str());
-  return result;
-}
-
-std::string findings(const ProgramOutcome& outcome) {
-  std::string all;
-  for (const auto& d : outcome.diagnostics) all += to_text(d) + "\n";
-  return all;
+  job.setup.work_offsets[0]->rotation = rotation;
+  return run_program(
+      plan_of(machine), program, job, [header](const ProgramJob& done, ProgramOutcome& outcome) {
+        if (outcome.end != ProgramEnd::done || header) return;
+        const DiffReport diff = diff_programs(done.program, done.output, {});
+        EXPECT_TRUE(diff.same_program) << (diff.diagnostics.empty() ? "" : to_text(diff.diagnostics.front()));
+      });
 }
 
 TEST(RandomPrograms, AreVerifiedOnRandomMachines) {
@@ -210,7 +173,7 @@ TEST(RandomPrograms, AreVerifiedOnRandomMachines) {
     Random random(seed);
     const std::string machine = random_machine(random, 1.0);
     const std::string program = ProgramWriter(random).write(25);
-    const Case result = run(machine, program, seed % 2 == 0);
+    const ProgramRun result = run(machine, program, seed % 2 == 0);
     if (result.outcome.end == ProgramEnd::refused) {
       // a cycle whose correction bends inside it, nothing else
       ++refused;
@@ -234,7 +197,7 @@ TEST(RandomPrograms, LostMotionIsTakenUpEverywhere) {
     const bool rotated = seed % 4 == 0;
     const std::string machine = random_lost_motion(random);
     const std::string program = ProgramWriter(random, rotated, false).write(25);
-    const Case result = run(machine, program, false, true, rotated ? 0.3 : 0.0);
+    const ProgramRun result = run(machine, program, false, true, rotated ? 0.3 : 0.0);
     ASSERT_EQ(result.outcome.end, ProgramEnd::done) << "seed " << seed << "\n" << machine << findings(result.outcome) << program << "\n----\n" << result.output;
     EXPECT_LE(result.outcome.verify.after.max, result.outcome.verify.allowed) << "seed " << seed;
     ++done;
@@ -283,10 +246,10 @@ TEST(RandomPrograms, AMapAndItsNegativeBringTheNumbersBack) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     Random random(seed);
     const std::string machine = random_machine(random, 1.0), program = short_moves(random);
-    const Case there = run(machine, program, false);
+    const ProgramRun there = run(machine, program, false);
     ASSERT_EQ(there.outcome.end, ProgramEnd::done) << "seed " << seed << "\n" << findings(there.outcome) << program;
     ASSERT_NE(there.output, program) << "seed " << seed;
-    const Case back = run(with_errors_reversed(machine), there.output, false);
+    const ProgramRun back = run(with_errors_reversed(machine), there.output, false);
     ASSERT_EQ(back.outcome.end, ProgramEnd::done) << "seed " << seed << "\n" << findings(back.outcome);
     std::istringstream first(program), last(back.output);
     for (std::string a, b; std::getline(first, a) && std::getline(last, b);) {
@@ -304,7 +267,7 @@ TEST(RandomPrograms, ZeroErrorsChangeNoByte) {
     Random random(seed);
     const std::string machine = random_machine(random, 0.0);
     const std::string program = ProgramWriter(random).write(40);
-    const Case result = run(machine, program, false);
+    const ProgramRun result = run(machine, program, false);
     ASSERT_EQ(result.outcome.end, ProgramEnd::done) << "seed " << seed << "\n" << findings(result.outcome);
     ASSERT_EQ(result.output, program) << "seed " << seed;
   }

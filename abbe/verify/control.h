@@ -59,8 +59,8 @@ class Control {
   void flow_followed() { flow_ = 0; }
 
  private:
-  bool refuse(std::size_t column, const char* code, std::string message, std::string why, std::string fix);
-  bool refuse_at(char letter, const char* code, std::string message, std::string why, std::string fix);
+  [[gnu::cold]] bool refuse(std::size_t column, const char* code, std::string message, std::string why, std::string fix);
+  [[gnu::cold]] bool refuse_at(char letter, const char* code, std::string message, std::string why, std::string fix);
   bool use(char letter);  ///< false (refused) if another code already used this word
   bool use_all(Letters letters);
   bool execute_settled();

@@ -91,7 +91,8 @@ bool Control::move() {
 
 bool Control::straight() {
   begin_motion(motion_code_ == 0 ? MotionKind::rapid : MotionKind::line);
-  if (!read_turns(block_->g_code(0) == 530)) return false;
+  const bool turns = (block_->words & letters('A', 'B', 'C')) != 0;
+  if (turns && !read_turns(block_->g_code(0) == 530)) return false;
   if (block_->g_code(0) == 530) {
     if (tcp_ && (motion_.named | motion_.named_turns) != 0)
       return refuse(block_->g_column[0], "E-TCP", "machine coordinates while tool centre point control is on",

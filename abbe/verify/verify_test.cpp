@@ -9,7 +9,7 @@
 namespace abbe::verifying {
 namespace {
 
-class GoodPair : public testing::TestWithParam<Pair> {};
+class GoodPair : public ::testing::TestWithParam<Pair> {};
 
 TEST_P(GoodPair, Agrees) {
   const VerifyReport report = verify_drawn(GetParam().draw);
@@ -53,7 +53,7 @@ EZZ = -7
   EXPECT_FALSE(report.agrees);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, GoodPair, testing::ValuesIn(good_pairs()),
+INSTANTIATE_TEST_SUITE_P(All, GoodPair, ::testing::ValuesIn(good_pairs()),
                          [](const auto& test) { return std::string(test.param.name); });
 
 TEST(Verify, InchesHaveTheirOwnDigits) {

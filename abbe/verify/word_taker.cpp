@@ -104,7 +104,7 @@ bool whole(double value, int& out) {
 
 }  // namespace
 
-bool refuse(Fault& fault, std::size_t column, std::size_t length, const char* code, std::string message,
+[[gnu::cold]] bool refuse(Fault& fault, std::size_t column, std::size_t length, const char* code, std::string message,
             std::string why, std::string fix) {
   fault = {code, column, length, std::move(message), std::move(why), std::move(fix)};
   return false;

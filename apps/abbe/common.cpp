@@ -323,7 +323,12 @@ std::optional<Setting> load_setting(const CommonArguments& arguments, Session& s
 
 std::optional<Setting> load_controlled_setting(const CommonArguments& arguments, Session& session) {
   auto setting = load_setting(arguments, session);
-  if (setting) setting->machine = as_controlled(setting->machine);
+  if (!setting) return std::nullopt;
+  setting->machine = as_controlled(setting->machine);
+  if (const auto refusal = refusal_of_one_test(setting->machine)) {
+    session.report(*refusal, Exit::refused);
+    return std::nullopt;
+  }
   return setting;
 }
 

@@ -86,7 +86,8 @@ struct Setting {
 /// Reads everything the common options name; nullopt after reporting all mistakes.
 [[nodiscard]] std::optional<Setting> load_setting(const CommonArguments& arguments, Session& session);
 
-/// The same for verbs that move the machine: without the errors that its control corrects itself.
+/// The same for verbs that move the machine: without the errors that its control corrects itself; nullopt,
+/// too, after E-SCOPE for errors that are true of one test only.
 [[nodiscard]] std::optional<Setting> load_controlled_setting(const CommonArguments& arguments, Session& session);
 
 /// Reads a file, or standard input for "-"; nullopt after reporting why not.

@@ -103,7 +103,37 @@ TEST_F(Identify, PaperSinusoidsAreShownAndNeverCompensated) {
   EXPECT_EQ(refused.exit, 3) << refused.err;
   EXPECT_THAT(refused.err, HasSubstr("E-SCOPE"));
   EXPECT_EQ(content(folder_ / "out.ngc"), "");
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"correct", "--at", "X=0,Y=0,Z=0"}, {"inverse", "--pose", "1,2,3,0,0,1"}}) {
+    std::vector<std::string> words = command;
+    words.insert(words.begin() + 1, mill_);
+    words.insert(words.end(), {"--errors", errors, "--set", "t=0"});
+    const ProgramRun moved = abbe(words);
+    EXPECT_EQ(moved.exit, 3) << moved.err;
+    EXPECT_THAT(moved.err, HasSubstr("E-SCOPE"));
+    EXPECT_EQ(moved.out, "");
+  }
   EXPECT_EQ(abbe({"identify", mill_, files[0], files[1], "--method", "paper"}).exit, 2);
+}
+
+// A table's errors are of either sign until the file says whose they are; the published ones are the tool's.
+TEST_F(Identify, ATableHasToSayWhoseErrorsItStates) {
+  const std::vector<std::string> files = simulate();
+  const std::string errors = folder_ / "errors.toml";
+  const auto refused = [&](const char* method, const std::string& seen) {
+    const std::string table =
+        folder_.put("table.toml", "format = 1\n[machine]\nchain = \"w X b Y Z t\"\n[axis.X]\n" + seen + "\n");
+    const ProgramRun run = abbe({"identify", table, files[0], "--method", method, "-o", errors});
+    if (run.exit == 0) return false;
+    EXPECT_EQ(run.exit, 2);
+    EXPECT_THAT(run.err, HasSubstr("E-ERRORS-SEEN"));
+    EXPECT_EQ(content(errors), "");
+    return true;
+  };
+  EXPECT_TRUE(refused("joint", ""));
+  EXPECT_TRUE(refused("paper", ""));
+  EXPECT_TRUE(refused("paper", "errors_seen = \"body\""));
+  EXPECT_FALSE(refused("paper", "errors_seen = \"tool\""));
 }
 
 TEST_F(Identify, IdentifiabilityExplainsOneFeed) {
