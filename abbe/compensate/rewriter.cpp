@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "abbe/core/number.h"
+#include "abbe/program/named_block.h"
 
 namespace abbe {
 namespace {
@@ -112,6 +113,7 @@ void Rewriter::write_header(std::string& out) {
 
 // A program number may begin with ':' instead of O: it is read as one, and copied as it stands.
 std::optional<BlockError> Rewriter::read_line(std::string_view bytes, Block& block) {
+  if (profile_.text.names) return read_named_block(bytes, profile_, block);
   const bool numbered_skip = profile_.text.skip == Profile::Skip::numbered;
   if (!profile_.text.colon || any_block_) return read_block(bytes, block, numbered_skip);
   const std::size_t first = bytes.find_first_not_of(" \t");
@@ -177,7 +179,7 @@ void Rewriter::look_ahead(std::size_t rows) {
 void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::string& out) {
   eol_ = block_->eol;
   if (file_eol_.empty()) file_eol_ = std::string(eol_);
-  if (ended_) return pass(out);  // the control does not read on
+  if (ended_) return pass_behind_end(out);  // the control does not read on
   if (too_long || error) {
     findings_.add(error.value_or(BlockError{"E-LINELEN", kMaxBlockBytes, 1, "the line is longer than 64 KiB",
                                             "the control refuses such lines", "break the block into several"}),
@@ -222,6 +224,7 @@ void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::
   if (!read_instruction(profile_, *block_, modal_, number_, findings_, instruction_)) return;
   if (instruction_.turns_axes && !turn_words_allowed()) return;
   execute(out);
+  if (instruction_.flow != 0) [[unlikely]] follow_flow();
 }
 
 void Rewriter::execute(std::string& out) {

@@ -2,8 +2,10 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <span>
 #include <string>
 #include <string_view>
@@ -84,12 +86,22 @@ class Rewriter {
   /// A block of its own behind the one that is split: " X1.5 Y2.", with the block delete of the original.
   void add_block(std::string_view words, std::string_view eol, std::string& tail);
 
+  // rewriter_subprogram.cpp
+  void follow_flow();
+  bool only_changes_flow(std::string_view words);
+  std::optional<int> called_number();
+  void run_subprogram();
+  void pass_behind_end(std::string& out);
+
   // rewriter_setting.cpp: tools and frames
   bool settings();
   bool change_tool(std::optional<int> number);
   bool tool_length();
   bool zero_group(std::string& out, bool& done);
   bool set_g92();
+  bool make_frame();
+  bool choose_work_offset();
+  [[nodiscard]] std::optional<int> tool_number(const Word& word) const;
   bool turn_frame();
   bool set_work_offset();
   void refresh_datum();
@@ -249,6 +261,18 @@ class Rewriter {
     double r_out = 0, z_out = 0;  ///< of the output
     bool incremental = false;     ///< in which mode they were written
   } cycle_;
+
+  /// A subprogram that was run: its lines first .. end - 1, rewritten.
+  struct Called {
+    std::uint64_t first = 0, end = 0;
+    std::string text;
+  };
+  std::map<std::uint64_t, Called> run_;  ///< by first line
+  std::set<int> called_;                 ///< numbers
+  std::size_t depth_ = 0;                ///< of calls now running
+  std::uint64_t call_line_ = 0;          ///< of the one in the main program
+  bool returned_ = false;                ///< the running subprogram came to its M99
+  std::uint64_t behind_ = 0;             ///< lines before this one are already written
 
   std::vector<MoveSample> samples_;
   std::vector<ArcTarget> targets_;

@@ -106,6 +106,12 @@ bool Rewriter::may_move() {
     modal_.units_stated = modal_.distance_stated = modal_.stated = true;  // said once
     return false;
   }
+  if (in_work && !modal_.edge_stated) {
+    refuse_block("E-TOOL", "a motion before D says which tool offset is in force", "after a tool change and at the start it depends on the control's settings", "write D1 with the tool, or D0");
+    modal_.edge_stated = true;  // said once
+    modal_.stated = modal_.units_stated && modal_.distance_stated;
+    return false;
+  }
   if (instruction_.tool_change && !profile_.tools.change_first) {
     refuse_block("E-AUX", "a tool change and a motion in one block", "whether the machine moves before or after it depends on its builder", "split the block");
     return false;

@@ -32,6 +32,10 @@ bool Rewriter::read_move(Move& move) {
       refuse_block("E-G53", "G53 in G91", "controls differ on what incremental machine coordinates mean", "write G90 before");
       return false;
     }
+    if (profile_.tools.in_machine_coordinates && in_.frames.tool_offset() != Vec3::Zero()) {
+      refuse_block("E-G53", "machine coordinates while a tool offset is in force", "on this control the tip goes there, not the axes", "write D0 in the block");
+      return false;
+    }
     for (int k = 0; k < 3; ++k) {
       if (const Word* word = axis_word(k)) move.m1[k] = word->value * modal_.unit();
     }

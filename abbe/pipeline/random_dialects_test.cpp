@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <string>
 
 #include "abbe/core/units.h"
@@ -27,6 +28,7 @@ struct Style {
   char repeats;         ///< word that counts holes in G91; 0: not used
   double inches;        ///< chance of a program in inches
   bool increments;      ///< words without points
+  bool names = false;   ///< words with names, D for the tool's offset, TRANS and ROT
 };
 
 /// A program as CAM systems post it for the control: absolute starts, three or four decimals.
@@ -35,6 +37,7 @@ class DialectWriter {
   DialectWriter(Random& random, const Style& style) : random_(random), style_(style), inch_(random.chance(style.inches)) {}
 
   std::string write(int blocks) {
+    if (style_.names) return write_named(blocks);
     if (style_.percent) text_ = "%\nO0007(RANDOM)\n";
     text_ += inch_ ? "G20 G90 G17 G40 G80\n" : "G21 G90 G17 G40\n";
     if (*style_.further != 0 && random_.chance(0.5)) text_ += fmt::format("{} P2\n", style_.further);
@@ -51,6 +54,14 @@ class DialectWriter {
   }
 
  private:
+  std::string write_named(int blocks) {
+    text_ = fmt::format("%_N_RANDOM_MPF\nG17 {} G90 G94 G40 ; random\nT=\"MILL 10\"\nM6\n{} D1\n", inch_ ? "G700" : "G710", random_.chance(0.5) ? "G54" : "G505");
+    text_ += fmt::format("G0 {} {}\nZ={} S1=1000 M1=3\nF{}\n", word('X', 0), word('Y', 0), number(20), inch_ ? "20." : "500.");
+    at_ = Vec3(0, 0, 20);
+    for (int i = 0; i < blocks; ++i) block();
+    mode(false);
+    return text_ + "M5\nSUPA G0 Z0 D0\nM30\n";
+  }
   [[nodiscard]] double unit() const { return inch_ ? 25.4 : 1.0; }
   [[nodiscard]] int decimals() const { return inch_ ? 4 : 3; }
   [[nodiscard]] double round(double v) const {
@@ -76,13 +87,13 @@ class DialectWriter {
   void block() {
     switch (random_.below(12)) {
       case 0: mode(!incremental_); break;
-      case 1: text_ += random_.chance(0.5) ? "M8\n" : "(COMMENT)\n"; break;
+      case 1: text_ += random_.chance(0.5) ? "M8\n" : style_.names ? "N5 MSG(\"a;b\") ; comment\n" : "(COMMENT)\n"; break;
       case 2: line("G0", 200); break;
       case 3: case 4: case 5: line("G1", random_.chance(0.4) ? 250 : 20); break;
       case 6: case 7: case 8: arc(); break;
       case 9: if (style_.cycles && !inch_) cycle(); break;
       case 10: if (style_.rotation) rotation(); break;
-      default: text_ += fmt::format("N{} G4 P100\n", random_.below(1000)); break;
+      default: text_ += fmt::format("N{} G4 {}\n", random_.below(1000), style_.names ? "F0.5" : "P100"); break;
     }
   }
   void line(const char* code, double reach) {
@@ -99,7 +110,7 @@ class DialectWriter {
   }
   void arc() {
     static constexpr int kAxes[3][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}};
-    const int plane = random_.below(3), a = kAxes[plane][0], b = kAxes[plane][1], n = kAxes[plane][2];
+    const int plane = style_.names ? 0 : random_.below(3), a = kAxes[plane][0], b = kAxes[plane][1], n = kAxes[plane][2];
     const double r = random_.between(3, plane == 0 ? 80 : 20), t0 = random_.between(0, 6.28);
     const double i = round(-r * std::cos(t0)), j = round(-r * std::sin(t0));
     const bool clockwise = random_.chance(0.5), full = random_.chance(0.3);
@@ -115,7 +126,11 @@ class DialectWriter {
     text_ += fmt::format("G{} G{}", 17 + plane, clockwise ? 2 : 3);
     for (int k = 0; k < 3; ++k)
       if (end[k] != at_[k]) text_ += ' ' + axis_word(k, end[k]);
-    text_ += fmt::format(" {} {}\nG17\n", word("IJK"[a], i), word("IJK"[b], j));
+    if (style_.names && !full && random_.chance(0.3)) {
+      text_ += fmt::format(" CR={}\nG17\n", number(sweep > std::numbers::pi ? -radius : radius));
+    } else {
+      text_ += fmt::format(" {} {}\nG17\n", word("IJK"[a], i), word("IJK"[b], j));
+    }
     at_ = end;
   }
   void cycle() {
@@ -134,6 +149,12 @@ class DialectWriter {
   }
   void rotation() {
     mode(false);
+    if (style_.names) {
+      text_ += fmt::format("TRANS {} Y={}\nG1 {}\nAROT RPL=30\n", word('X', 10), number(5), word('X', 20));
+      text_ += fmt::format("G0 {} {}\nG1 {} {}\nG2 {} {}\nROT\n", word('X', 20), word('Y', 0), word('X', 60), word('Y', 30), word('X', 80), word('I', 10));
+      text_ += fmt::format("G0 {} {}\n", word('X', at_.x()), word('Y', at_.y()));
+      return;
+    }
     // turned about (10, 5); what is cut then stands somewhere, and the program goes back to a known place
     text_ += fmt::format("G68 {} {} R{}\n", word('X', 10 * unit() / 25.4), word('Y', 5 * unit() / 25.4), style_.increments ? "30000" : "30.");
     text_ += fmt::format("G0 {} {}\nG1 {} {}\nG2 {} {}\nG69\n", word('X', 20), word('Y', 0), word('X', 60), word('Y', 30), word('X', 80), word('I', 10));
@@ -153,7 +174,8 @@ ProgramRun run(const Style& style, const std::string& machine, const std::string
   Profile profile = *embedded_profile(style.dialect);
   if (style.increments) profile.numbers.integer_words = Profile::IntegerWords::increments;
   job.setup.profile = std::make_shared<const Profile>(std::move(profile));
-  job.setup.further_offsets[2] = WorkOffset{{-40, 25, 5}, 0};
+  job.setup.further_offsets[style.names ? 5 : 2] = WorkOffset{{-40, 25, 5}, 0};
+  job.setup.tools[1] = ToolEntry{1, 1, {0, 0, 80}, 80.0, 10, "name=\"MILL 10\""};
   job.setup.block_delete = ControlSetup::BlockDelete::off;
   return run_program(plan_of(machine), program, job);
 }
@@ -162,9 +184,9 @@ class RandomDialects : public ::testing::TestWithParam<Style> {};
 
 TEST_P(RandomDialects, AreVerifiedOnRandomMachines) {
   const Style& style = GetParam();
-  int done = 0;
-  constexpr int kPrograms = 60;
-  for (std::uint64_t seed = 1; seed <= kPrograms; ++seed) {
+  std::uint64_t done = 0;
+  const std::uint64_t programs = testing::random_programs(60);
+  for (std::uint64_t seed = 1; seed <= programs; ++seed) {
     Random random(seed);
     const std::string machine = random_machine(random, 0.7);
     const std::string program = DialectWriter(random, style).write(25);
@@ -179,7 +201,7 @@ TEST_P(RandomDialects, AreVerifiedOnRandomMachines) {
     EXPECT_LE(result.outcome.verify.after.max, result.outcome.verify.allowed) << "seed " << seed;
     ++done;
   }
-  EXPECT_GT(done, kPrograms / 3);
+  EXPECT_GT(done, programs / 3);
 }
 
 TEST_P(RandomDialects, ZeroErrorsChangeNoByte) {
@@ -199,6 +221,7 @@ INSTANTIATE_TEST_SUITE_P(Controls, RandomDialects,
                                            Style{"fanuc", true, true, true, true, true, "G54.1", 'K', 0.0, true},
                                            Style{"haas", true, true, true, true, true, "G154", 'L', 0.3, false},
                                            Style{"grbl", false, false, false, false, false, "", 0, 0.3, false},
+                                           Style{"siemens", false, false, true, true, true, "", 0, 0.3, false, true},
                                            Style{"grblhal", false, true, false, false, false, "", 0, 0.0, false}),
                          [](const auto& test) {
                            return std::string(test.param.dialect) + (test.param.increments ? "_increments" : "");

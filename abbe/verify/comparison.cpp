@@ -64,7 +64,7 @@ std::string describe(const Event& event) {
       text = fmt::format("M{}", event.code);
       break;
     case EventKind::g_code:
-      text = code10(event.code);
+      text = event.text.empty() ? code10(event.code) : std::string(event.text);
       break;
   }
   std::size_t n = 0;
@@ -160,7 +160,7 @@ void Comparison::compare_event() {
 /// G93 that the original does not have: the output states the time of the turning motion that follows.
 bool Comparison::begins_timed(const Event& found) const {
   constexpr int inverse_time = 930;
-  return !timed_ && found.kind == EventKind::g_code && found.code == inverse_time;
+  return output_.profile().feed_of_linear && !timed_ && found.kind == EventKind::g_code && found.code == inverse_time;
 }
 
 /// Behind such a motion the output must restore feed mode and feed of the original.

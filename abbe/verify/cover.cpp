@@ -137,7 +137,8 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
     if (deviation.squaredNorm() > cover.allowed * cover.allowed) cover.excess = deviation.norm() - cover.allowed;
     if (!cover.by_parameter) cover.last_s = cover.path.foot(cover.tip).s;
   }
-  if (piece_length < kNoMotion && cover.length >= kNoMotion) {
+  // both ends of a motion no longer than its digits may be rounded to one point
+  if (piece_length < kNoMotion && cover.length >= kNoMotion && !(first && cover.length <= 2 * quantum())) {
     disagree("V-EXTRA", "a feed motion of no length that the original does not have");
     return stop_;
   }

@@ -131,6 +131,15 @@ TEST(TurningPrograms, TheOtherWayRoundIsFound) {
   EXPECT_FALSE(report.agrees);
 }
 
+// C stands 0.0005 degrees too far everywhere: a tenth of the turn of one block, and no part of it is missing.
+TEST(TurningPrograms, ACorrectionAsLargeAsTheTurnIsNoMissingPart) {
+  const std::string machine = changed(kMachine, "direction = [0, 0, 1]\n", "direction = [0, 0, 1]\nerrors_seen = \"body\"\n") + "[errors]\nECC = 8.72664626\n";
+  const std::string start = "G21 G90 G94 G17 G54\n";
+  const VerifyReport report = Pair(machine).judge(start + "G0 X0 Y0 Z50 A10 C10.\nG1 C20. F100\nC20.005\nC21.\nM2\n",
+                                                  start + "G0 X0 Y0 Z50 A10 C9.9995\nG1 C19.9995 F100\nC20.0045\nC20.9995\nM2\n");
+  EXPECT_TRUE(report.agrees) << (report.diagnostics.empty() ? "" : to_text(report.diagnostics.front()));
+}
+
 TEST(TurningPrograms, WithoutADeclaredModeTheyAreRefused) {
   const std::string machine = changed(kMachine, "mode = \"axis\"\n", "");
   const VerifyReport report = Pair(machine).judge(kProgram, kProgram);
