@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <set>
+
 #include "abbe/fit/function_model.h"
 
 namespace abbe {
@@ -49,14 +51,58 @@ std::string calibration_text(const Calibration& calibration) {
   return text.empty() ? text : "\n[calibration]\n" + text;
 }
 
+/// slope (T - reference), held outside the temperatures that were seen
+std::string term_text(const ThermalTerm& term, double reference) {
+  return fmt::format("{{ poly = [0, {}], of = \"{}\", reference = {}, domain = [{}, {}] }}",
+                     file_number(term.slope), variable_of(term), file_number(reference), file_number(term.lo),
+                     file_number(term.hi));
+}
+
+std::string model_text(const ThermalModel& model, double reference) {
+  if (model.terms.empty()) return "0";
+  std::string text;
+  for (const ThermalTerm& term : model.terms) text += (text.empty() ? "" : ", ") + term_text(term, reference);
+  return model.terms.size() == 1 ? text : "[" + text + "]";
+}
+
+std::string thermal_comments(const FitJob& job, const ThermalFit& thermal) {
+  std::string text;
+  for (const FitDrift& drift : job.drifts)
+    text += comment(fmt::format("  {}: {} rows over {:.0f} min{}", drift.file, drift.times.size(),
+                                (drift.times.back() - drift.times.front()) / 60,
+                                drift.validation ? ", only to judge" : ""));
+  for (const ThermalModel& model : thermal.models)
+    text +=
+        comment(fmt::format("  {}: drift {:.3g} rms, left {:.3g}{} {}", model.name, model.before, model.left,
+                            model.validated ? fmt::format(", of logs not fitted {:.3g}", *model.validated)
+                                            : std::string(", not tried on another log"),
+                            model.rotation ? "urad" : "um"));
+  return text;
+}
+
+/// Each lagged temperature once, in the order of its first use.
+std::string sensors_text(const ThermalFit& thermal) {
+  std::string text;
+  std::set<std::string> written;
+  for (const ThermalModel& model : thermal.models)
+    for (const ThermalTerm& term : model.terms)
+      if (term.lag > 0 && written.insert(variable_of(term)).second)
+        text +=
+            fmt::format("{} = {{ of = \"{}\", lag = {:.0f} }}\n", variable_of(term), term.sensor, term.lag);
+  return text.empty()
+             ? text
+             : "\n[sensors]\n" + comment("first-order lags (s) of temperatures that are read") + text;
+}
+
 }  // namespace
 
-std::string write_errors_file(const FitJob& job, const FitResult& result) {
+std::string write_errors_file(const FitJob& job, const FitResult& result, const ThermalFit& thermal) {
   std::string text =
       comment("Written by abbe fit from " + job.file + ": errors of " + job.machine.name + ".");
   for (const SetResidual& set : result.sets)
     text += comment(fmt::format("  {}: {} equations, rms of what is left {:.3g} {}", set.name, set.rows,
                                 set.rms / (set.angle ? urad : um), set.angle ? "urad" : "um"));
+  text += thermal_comments(job, thermal);
   text += comment(
       "All functions are zero at the reference position. Straightness has no trend: it is squareness.");
   text +=
@@ -68,12 +114,17 @@ std::string write_errors_file(const FitJob& job, const FitResult& result) {
     text += fmt::format("{} = {}\n", found.unknown.name, function_text(found));
   for (const FoundValue& value : result.locations)
     text += fmt::format("{} = {}\n", value.name, file_number(value.value));
+  for (const ThermalModel& model : thermal.models)
+    text += fmt::format("{} = {}\n", model.name, model_text(model, job.thermal.reference));
+  text += sensors_text(thermal);
   text += "\n[uncertainty]\n" +
           comment("standard; of functions the largest over their range, of the mean of both directions");
   for (const FoundFunction& found : result.functions)
     text += fmt::format("{} = {}\n", found.unknown.name, file_number(found.u));
   for (const FoundValue& value : result.locations)
     text += fmt::format("{} = {}\n", value.name, file_number(value.u));
+  for (const ThermalModel& model : thermal.models)
+    text += fmt::format("{} = {}\n", model.name, file_number(model.u));
   return text;
 }
 

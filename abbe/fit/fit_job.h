@@ -7,6 +7,7 @@
 
 #include "abbe/core/diagnostic.h"
 #include "abbe/evaluate/run_table.h"
+#include "abbe/fit/drift_record.h"
 #include "abbe/fit/function_model.h"
 #include "abbe/machine/machine.h"
 #include "abbe/machine/read_machine.h"
@@ -91,7 +92,9 @@ struct FitJob {
   std::vector<FitValue> values;
   std::vector<FitSquare> squares;
   std::vector<FitFunction> functions;
-  std::vector<std::string> locations;        ///< asked for by name
+  std::vector<std::string> locations;  ///< asked for by name
+  FitThermal thermal;
+  std::vector<FitDrift> drifts;
   std::array<double, kMaxAxes> reference{};  ///< where functions are zero
   int most_order = 6;
   Calibration calibration;
@@ -108,7 +111,8 @@ struct FitJob {
 /// (an
 ///          axis that is not there), E-JOB-KIND (deviations of the wrong quantity), E-JOB-SQUARE (an artefact
 ///          that is not declared, or whose runs do not span one plane), E-JOB-TWICE (the same file again),
-///          E-JOB-EMPTY (nothing measured), E-JOB-RANGE (targets beyond the travel)
+///          E-JOB-EMPTY (nothing measured), E-JOB-RANGE (targets beyond the travel), E-DRIFT-TIME
+///          (a log whose time does not increase), E-THERMAL-TEMPERATURE (no temperature of a machine)
 /// laws     TotalOnAnyBytes
 [[nodiscard]] Parsed<FitJob> read_fit_job(const MachineText& job, const FileFetcher& fetch);
 

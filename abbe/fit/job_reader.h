@@ -33,6 +33,8 @@ class JobReader {
   void read_functions(const TomlNode& table);
   void read_reference(const TomlNode& table);
   void read_locations(const TomlNode& list);
+  void read_thermal(const TomlNode& table);
+  void read_drift(const TomlNode& entry);
 
  private:
   using Pose = std::array<double, kMaxAxes>;
@@ -60,6 +62,9 @@ class JobReader {
   void warn_outside(const TomlNode& entry, const FitRun& run);
   void take_points(const TomlNode& entry, const MeasuredTable& table, bool balls, FitPoints points);
   void read_function(const TomlEntry& entry);
+  std::optional<DriftReading> drift_reading(const TomlEntry& entry);
+  bool take_log(const TomlNode& entry, const MeasuredTable& log, FitDrift& drift);
+  bool take_temperatures(const TomlNode& entry, const MeasuredTable& log, FitDrift& drift);
 
   FitJob& job_;
   FileUnits units_;

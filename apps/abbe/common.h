@@ -34,7 +34,8 @@ struct CommonArguments {
 /// Those that name the machine, and how to answer.
 void add_machine_options(CLI::App& verb, CommonArguments& arguments, Session& session);
 void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& session);
-/// --skew, --scale, --pitch as well: then MACHINE is left out. After add_machine_options or add_common_options.
+/// --skew, --scale, --pitch as well: then MACHINE is left out. After add_machine_options or
+/// add_common_options.
 void allow_quick_machine(CLI::App& verb, CommonArguments& arguments);
 
 /// `--at`, `--set`, `--gauge` and their like: "A=1,B=2" of one or several options, in order.
@@ -87,7 +88,8 @@ struct Setting {
 [[nodiscard]] std::optional<Setting> load_setting(const CommonArguments& arguments, Session& session);
 
 /// The same for verbs that move the machine: without the errors that its control corrects itself.
-[[nodiscard]] std::optional<Setting> load_controlled_setting(const CommonArguments& arguments, Session& session);
+[[nodiscard]] std::optional<Setting> load_controlled_setting(const CommonArguments& arguments,
+                                                             Session& session);
 
 /// Reads a file, or standard input for "-"; nullopt after reporting why not.
 [[nodiscard]] std::optional<std::string> read_input(const std::string& path, Session& session);
