@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
+#include <cmath>
 #include <set>
 
 #include "abbe/fit/function_model.h"
@@ -125,6 +127,56 @@ std::string write_errors_file(const FitJob& job, const FitResult& result, const 
     text += fmt::format("{} = {}\n", value.name, file_number(value.u));
   for (const ThermalModel& model : thermal.models)
     text += fmt::format("{} = {}\n", model.name, file_number(model.u));
+  return text;
+}
+
+namespace {
+
+/// L of C = L L^T; columns of pivots that are zero (what is not determined) stay zero.
+Eigen::MatrixXd cholesky_factor(const Eigen::MatrixXd& C) {
+  constexpr double kZero = 1e-12;
+  const Eigen::Index n = C.rows();
+  Eigen::MatrixXd L = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const Eigen::VectorXd rest =
+        C.col(j).tail(n - j) - L.bottomLeftCorner(n - j, j) * L.row(j).head(j).transpose();
+    if (rest[0] > kZero * C(j, j)) L.col(j).tail(n - j) = rest / std::sqrt(rest[0]);
+  }
+  return L;
+}
+
+/// One column of L as a table of errors.
+std::string mode_text(const FitResult& result, const Eigen::VectorXd& column) {
+  std::string text;
+  Eigen::Index first = 0;
+  for (const FoundFunction& found : result.functions) {
+    FoundFunction share = found;
+    share.mean = column.segment(first, found.mean.size());
+    share.reversal = column.segment(first + found.mean.size(), found.reversal.size());
+    first += found.mean.size() + found.reversal.size();
+    if (!share.mean.isZero(0) || !share.reversal.isZero(0))
+      text += fmt::format("{} = {}\n", found.unknown.name, function_text(share));
+  }
+  for (const FoundValue& value : result.locations)
+    if (const double share = column[first++]; share != 0)
+      text += fmt::format("{} = {}\n", value.name, file_number(share));
+  return text;
+}
+
+}  // namespace
+
+std::string write_uncertainty_modes(const FitResult& result) {
+  constexpr double kNegligible = 1e-4;
+  const Eigen::MatrixXd L = cholesky_factor(result.covariance);
+  std::string text =
+      "\n" + comment("covariance: each mode is one standard deviation of all its errors together");
+  for (Eigen::Index j = 0; j < L.cols(); ++j) {
+    Eigen::VectorXd column = L.col(j);
+    for (Eigen::Index i = 0; i < column.size(); ++i)
+      if (std::abs(column[i]) <= kNegligible * std::sqrt(result.covariance(i, i))) column[i] = 0;
+    const std::string mode = mode_text(result, column);
+    if (!mode.empty()) text += "\n[[uncertainty_mode]]\n" + mode;
+  }
   return text;
 }
 

@@ -56,6 +56,8 @@ struct FitPoints {
   std::vector<std::array<double, kMaxAxes>> poses;
   std::vector<Vec3> measured;  ///< mm; empty for balls
   std::vector<int> ball;       ///< number of the ball; empty for points
+  std::vector<Vec3> readings;  ///< tip - centre of the ball (an R-test), mm; empty: the tip was in the centre
+  bool nest_on_work = false;   ///< readings are along axes of the workpiece, not of the tool
 };
 
 /// A value known from elsewhere: a squareness of a ball-bar test, of a part that was turned over.
@@ -124,9 +126,9 @@ struct MeasurementPlan {
 };
 
 /// The same job before it was measured: every run has targets spaced evenly over the travel of its axis
-/// (every diagonal over its length, points a grid over all travels) and readings of 0. Its measurement files
-/// are not opened. errors   those of read_fit_job, and E-JOB-RANGE: a travel is not known; E-JOB-KIND: balls
-/// cannot be planned
+/// (every diagonal over its length, points a grid over all travels, balls where `places` and `angles` say)
+/// and readings of 0. Its measurement files are not opened. errors   those of read_fit_job, and E-JOB-RANGE:
+/// a travel is not known; E-JOB-BALL: balls that cannot be reached
 [[nodiscard]] Parsed<FitJob> plan_fit_job(const MachineText& job, const FileFetcher& fetch,
                                           const MeasurementPlan& plan);
 

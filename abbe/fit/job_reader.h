@@ -55,6 +55,7 @@ class JobReader {
   std::optional<RunTable> runs_of_entry(const TomlNode& entry, std::string& path, const Course& course);
   std::optional<RunTable> planned_runs(const TomlNode& entry, std::string& path, const Course& course);
   void plan_points(const TomlNode& entry, FitPoints points);
+  void plan_ball_entry(const TomlNode& entry, FitPoints points);
   bool plan_file(const TomlNode& entry, std::string& path);
   [[nodiscard]] Course course_of(const ErrorName& error) const;
   double thermal_of(const TomlNode& entry);

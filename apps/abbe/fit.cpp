@@ -25,7 +25,7 @@ using Layout = JsonWriter::Layout;
 
 struct FitArguments {
   std::string job, output;
-  bool json = false;
+  bool json = false, covariance = false;
 };
 
 /// A fit with everything it worked on.
@@ -103,7 +103,8 @@ double second_order(const Machine& machine, const Observations& observations) {
   return most;
 }
 
-std::optional<FitAnswer> answer_of(const std::string& path, Session& session) {
+std::optional<FitAnswer> answer_of(const FitArguments& arguments, Session& session) {
+  const std::string& path = arguments.job;
   const std::optional<std::string> text = read_input(path, session);
   if (!text) return std::nullopt;
   Parsed<FitJob> job = read_fit_job({path, *text}, fetch_file);
@@ -125,6 +126,7 @@ std::optional<FitAnswer> answer_of(const std::string& path, Session& session) {
     return std::nullopt;
   }
   answer.errors = write_errors_file(answer.job, answer.result, answer.thermal);
+  if (arguments.covariance) answer.errors += write_uncertainty_modes(answer.result);
   const std::optional<Machine> machine = read_back(answer, session);
   if (!machine) return std::nullopt;
   answer.second_order = second_order(*machine, answer.observations);
@@ -226,7 +228,7 @@ std::string json_of(const FitAnswer& answer) {
 }
 
 void run_fit(const FitArguments& arguments, Session& session) {
-  const std::optional<FitAnswer> answer = answer_of(arguments.job, session);
+  const std::optional<FitAnswer> answer = answer_of(arguments, session);
   if (!answer) return;
   report_doubts(answer->job, answer->result, session);
   report_thermal_doubts(answer->job, answer->thermal, session);
@@ -244,6 +246,8 @@ Verb fit_verb(CLI::App& program, Session& session) {
   auto arguments = std::make_shared<FitArguments>();
   command->add_option("job", arguments->job, "what was measured where (TOML)")->required()->type_name("JOB");
   command->add_option("-o,--output", arguments->output, "errors file for --errors")->type_name("FILE");
+  command->add_flag("--covariance", arguments->covariance,
+                    "writes how the errors are uncertain together, for map --uncertainty");
   command->add_flag("--json", arguments->json, "JSON on standard output");
   command->add_flag("--strict", session.strict, "warnings end with exit code 4");
   return {command, [arguments, &session] { run_fit(*arguments, session); }};
