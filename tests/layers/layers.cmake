@@ -13,7 +13,7 @@ set(symbols_may core errors machine chain)
 set(program_may core machine/control_setup.h machine/control_model.h machine/profile.h)
 set(kernel_may core errors machine chain)
 set(rt_may core errors machine chain kernel)
-set(volume_may core errors machine chain)
+set(volume_may core errors machine chain evaluate)
 set(compensate_may core errors machine chain kernel program)
 set(verify_may core errors machine chain kernel)  # neither program nor compensate: it judges them
 set(signal_may core)
