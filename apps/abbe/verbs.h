@@ -38,5 +38,6 @@ struct Verb {
 [[nodiscard]] Verb profiles_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb evaluate_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb fit_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb gear_verb(CLI::App& program, Session& session);
 
 }  // namespace abbe::app
