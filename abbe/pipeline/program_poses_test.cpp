@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "abbe/core/test_files.h"
 #include "abbe/machine/read_machine.h"
-#include "abbe/verify/test_files.h"
 
 namespace abbe {
 namespace {
@@ -61,7 +61,7 @@ struct Followed {
 
 Followed follow(const std::string& machine_text, const std::string& program,
                 DatumRule datum = DatumRule::ideal, bool clock = false) {
-  const verifying::TestFile file(program);
+  const testing::TestFile file(program);
   const Machine machine = machine_of(machine_text);
   const auto plan_of = [&](double t) { return std::get<Plan>(make_plan(machine, {{"t", t}})); };
   PoseJob job;
@@ -158,7 +158,7 @@ TEST(ProgramPoses, RotaryAxesTurnTheTool) {
 }
 
 std::string code_of(const std::string& program) {
-  const verifying::TestFile file(program);
+  const testing::TestFile file(program);
   PoseJob job;
   job.path = job.name = file.path();
   job.setup.work_offsets[0] = WorkOffset{{30, -20, -250}, 0, {}};

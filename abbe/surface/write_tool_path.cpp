@@ -27,10 +27,11 @@ std::string plain(const std::string& name) {
 /// The first code of the control with that meaning.
 std::optional<std::string> code_of(const Profile& profile, Meaning meaning, std::uint16_t number = 0) {
   const bool is_g = about(meaning).kind == 'G';
-  const std::size_t count = is_g ? profile.g.size() : profile.m.size();
+  const std::size_t count = is_g ? Profile::kGCodes : Profile::kMCodes;
   for (std::size_t k = 0; k < count; ++k) {
     const CodeUse& use = is_g ? profile.g[k] : profile.m[k];
-    if (use.meaning == meaning && use.number == number) return is_g ? g_name(k) : fmt::format("M{}", k);
+    if (use.meaning == meaning && use.number == number)
+      return is_g ? g_name(profile, k) : fmt::format("M{}", k);
   }
   return std::nullopt;
 }

@@ -27,34 +27,23 @@ struct ToolpathArguments {
   ProfileArguments profile;
 };
 
-const char* code_of(ToolPathFault::Kind kind) {
+/// What a fault is called, and what helps.
+struct FaultWords {
+  const char *code, *fix;
+};
+FaultWords words_of(ToolPathFault::Kind kind) {
   switch (kind) {
     case ToolPathFault::Kind::curvature:
-      return "E-PATH-CURVATURE";
+      return {"E-PATH-CURVATURE", "a cutter of a smaller radius"};
     case ToolPathFault::Kind::undercut:
-      return "E-PATH-UNDERCUT";
+      return {"E-PATH-UNDERCUT", "turn the part, or correct `outward` in the surface file"};
     case ToolPathFault::Kind::gouge:
-      return "E-PATH-GOUGE";
+      return {"E-PATH-GOUGE", "a smaller cutter, or a part of the surface"};
     case ToolPathFault::Kind::endless:
     case ToolPathFault::Kind::stopped:
       break;
   }
-  return "E-PATH-ENDLESS";
-}
-
-const char* remedy_of(ToolPathFault::Kind kind) {
-  switch (kind) {
-    case ToolPathFault::Kind::curvature:
-      return "a cutter of a smaller radius";
-    case ToolPathFault::Kind::undercut:
-      return "turn the part, or correct `outward` in the surface file";
-    case ToolPathFault::Kind::gouge:
-      return "a smaller cutter, or a part of the surface";
-    case ToolPathFault::Kind::endless:
-    case ToolPathFault::Kind::stopped:
-      break;
-  }
-  return "a larger scallop or step, or a larger tolerance";
+  return {"E-PATH-ENDLESS", "a larger scallop or step, or a larger tolerance"};
 }
 
 void report(const ToolPathFault& fault, const std::string& surface, Session& session) {
@@ -62,12 +51,13 @@ void report(const ToolPathFault& fault, const std::string& surface, Session& ses
     session.note(Exit::interrupted);
     return;
   }
+  const FaultWords words = words_of(fault.kind);
   session.report(Diagnostic{Severity::error,
-                            code_of(fault.kind),
+                            words.code,
                             {surface, 0, 0, 0, {}},
                             to_text(fault),
                             "the part would not be the one that is meant",
-                            remedy_of(fault.kind)});
+                            words.fix});
 }
 
 std::string csv_of(const ToolPath& path) {
