@@ -225,6 +225,11 @@ std::string json_of(const MachineArguments& arguments, const Machine& machine, c
 
 void run_machine(MachineArguments arguments, Session& session) {
   if (!settle_files(arguments.program.common, {&arguments.input}, session)) return;
+  if (!arguments.program.report.empty() || !arguments.program.figure.empty()) {
+    session.report(option_error(arguments.program.report.empty() ? "--figure" : "--report",
+                                "nothing is corrected here", "--json, -o, and `abbe inspect --svg`"));
+    return;
+  }
   if (arguments.clock) arguments.program.common.set.push_back("t=0");
   auto setting = load_program_setting(arguments.program, arguments.input, session);
   const auto surface = load_surface(arguments.surface, session);

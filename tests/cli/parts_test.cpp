@@ -182,6 +182,7 @@ TEST_F(Parts, MistakesAreNamed) {
   EXPECT_EQ(code({"toolpath", part, "--cutter", "flat:3"}), "E-OPTION");
   EXPECT_EQ(code({"machine", mill, program, "--surface", part, "--cutter", "bull:3"}), "E-OPTION");
   EXPECT_EQ(code({"machine", mill, program, "--surface", part, "--grid", "10"}), "E-OPTION");
+  EXPECT_EQ(code({"machine", mill, program, "--surface", part, "--report", "r.json"}), "E-OPTION");
   EXPECT_EQ(code({"machine", mill, program, "--surface", "none.toml"}), "E-FILE");
   EXPECT_EQ(
       code({"machine", no_y, program, "--surface", part, "--offset", "G54=X0,Y0,Z0", "--start", "X0,Y0,Z0"},
