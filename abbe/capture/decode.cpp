@@ -66,10 +66,7 @@ class Clock {
   explicit Clock(TimeBase base) : base_(base) {}
   [[nodiscard]] std::optional<std::int64_t> of(const BusFrame& frame) {
     if (base_ == TimeBase::recorder) return frame.packet.time_ns;
-    if (base_ == TimeBase::esl) {
-      if (!frame.ethernet.esl || frame.ethernet.esl->timestamp_ns == 0) return std::nullopt;
-      return static_cast<std::int64_t>(frame.ethernet.esl->timestamp_ns);
-    }
+    if (base_ == TimeBase::esl) return frame.ethernet.esl ? time_of(*frame.ethernet.esl) : std::nullopt;
     const auto reading = clock_of(frame);
     if (!reading) return std::nullopt;
     if (reading->whole) return static_cast<std::int64_t>(reading->ns);

@@ -125,8 +125,13 @@ int next_of_libpcap(pcap_t* handle, Packet& packet, std::string& error) {
     error = pcap_geterr(handle);
     return -1;
   }
+  const std::int64_t seconds{header->ts.tv_sec};
+  if (seconds < 0 || seconds >= kLatestTime / kSecond) {
+    error = fmt::format("a packet {} s after 1970: the file is damaged here", seconds);
+    return -1;
+  }
   // With PCAP_TSTAMP_PRECISION_NANO tv_usec counts nanoseconds.
-  packet.time_ns = std::int64_t{header->ts.tv_sec} * kSecond + std::int64_t{header->ts.tv_usec};
+  packet.time_ns = seconds * kSecond + std::int64_t{header->ts.tv_usec};
   packet.original = header->len;
   packet.bytes = {data, header->caplen};
   return 1;

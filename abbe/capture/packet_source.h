@@ -23,7 +23,8 @@ struct Packet {
 /// ..) is read by libpcap, with nanoseconds.
 ///
 /// errors   not a capture; another link type than Ethernet; a file that ends inside a packet or has
-///          nonsense lengths: the packets before are given, then error() says so
+///          nonsense lengths or times (before 1970, after kLatestTime): the packets before are given, then
+///          error() says so
 /// cost     classic pcap 20 ns, libpcap 80 ns a packet
 class PacketSource {
  public:
@@ -43,6 +44,9 @@ class PacketSource {
   std::unique_ptr<State> state_;
 };
 
+/// The latest time that is believed, ns since 1970 (the year 2116) or since any other epoch: differences of
+/// times fit into 64 bits.
+inline constexpr std::int64_t kLatestTime = std::int64_t{1} << 62;
 /// The largest packet that is believed; a larger length means that the file is damaged.
 inline constexpr std::uint32_t kMostPacket = 1U << 18;
 

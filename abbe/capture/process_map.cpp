@@ -73,6 +73,11 @@ std::string name_of(const PdoObject& object, Quantity& quantity) {
   return name;
 }
 
+/// Of another axis than the first of its drive.
+bool of_second_axis(const PdoObject& object) {
+  return find_cia402(object.index) && object.index >= kFirstProfile + kProfileStep;
+}
+
 void number_twins(std::vector<PdoObject>& objects) {
   std::map<std::string, int> seen;
   for (PdoObject& object : objects) {
@@ -119,8 +124,9 @@ ProcessMap named(ProcessMap map, const std::vector<ServoAxis>& axes) {
   for (PdoObject& object : map.objects) {
     Quantity quantity{};
     const std::string own = name_of(object, quantity);
-    const auto axis = std::find_if(axes.begin(), axes.end(),
-                                   [&](const ServoAxis& a) { return a.station == object.station; });
+    const auto axis = std::find_if(axes.begin(), axes.end(), [&](const ServoAxis& a) {
+      return a.station == object.station && !of_second_axis(object);
+    });
     const std::string device = axis != axes.end() ? axis->name : fmt::format("{}", object.station);
     if (object.name.empty()) object.name = device + "." + own;
     if (axis == axes.end() || quantity == Quantity::none || !object.unit.empty()) continue;

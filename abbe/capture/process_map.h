@@ -59,8 +59,9 @@ struct ServoAxis {
 };
 
 /// Names objects of known drives "X.position_actual" and scales positions and velocities (counts/s) to the
-/// axis' unit; objects of other slaves become "1001.digital_inputs", unknown ones "1001.2065:00". A name that
-/// would appear twice gets ".2", ".3" ...
+/// axis' unit; objects of other slaves become "1001.digital_inputs", unknown ones "1001.2065:00". So do those
+/// of the other axes of a drive that moves several ("1001.position_actual_2"): they have counts of their own,
+/// which a ServoAxis does not state. A name that would appear twice gets ".2", ".3" ...
 [[nodiscard]] ProcessMap named(ProcessMap map, const std::vector<ServoAxis>& axes);
 
 /// The map of a machine of ours: per axis one drive with 0x6040 controlword, 0x607A target_position as

@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstring>
 #include <fstream>
 #include <random>
 
@@ -49,6 +51,27 @@ TEST(ReadMap, AxesAndObjects) {
   EXPECT_EQ(map.objects[1].name, "X.position_actual");
   EXPECT_EQ(map.objects[1].scale, 1e-4);
   EXPECT_EQ(map.objects[1].unit, "mm");
+}
+
+// 0x6864 is 0x6064 of the second axis of a drive: the counts of the first one are not its counts.
+TEST(Named, SecondAxesOfADriveStayInCounts) {
+  ProcessMap map;
+  for (const std::uint16_t index : std::array<std::uint16_t, 3>{0x6064, 0x6864, 0x7064}) {
+    PdoObject object;
+    object.station = 1001;
+    object.index = index;
+    object.bit = map.objects.size() * 32;
+    map.objects.push_back(object);
+  }
+  const ProcessMap found = named(map, {{"X", 1001, -10000, "mm"}});
+  EXPECT_EQ(found.objects[0].name, "X.position_actual");
+  EXPECT_EQ(found.objects[0].scale, -1e-4);
+  EXPECT_EQ(found.objects[1].name, "1001.position_actual_2");
+  EXPECT_EQ(found.objects[2].name, "1001.position_actual_3");
+  for (const std::size_t i : {1U, 2U}) {
+    EXPECT_EQ(found.objects[i].scale, 1);
+    EXPECT_EQ(found.objects[i].unit, "");
+  }
 }
 
 TEST(ReadMap, MistakesAreNamed) {
@@ -254,6 +277,61 @@ TEST(Readers, MutatedMapsAndEnisGiveAValueOrAnError) {
       ASSERT_FALSE(map_mistake(*process.value));
     }
   }
+}
+
+std::string blocks_of(std::initializer_list<std::uint32_t> words) {
+  std::string bytes(words.size() * 4, ' ');
+  std::memcpy(bytes.data(), words.begin(), bytes.size());
+  return bytes;
+}
+
+/// A pcapng file with two packets of Ethernet, whose times count seconds since 1970.
+std::vector<std::uint8_t> pcapng_at(std::uint64_t first, std::uint64_t second) {
+  std::string file = blocks_of({0x0A0D0D0A, 28, 0x1A2B3C4D, 1, 0xFFFFFFFF, 0xFFFFFFFF, 28});
+  file += blocks_of({1, 32, 1, 65535, 0x00010009, 0, 0, 32});  // if_tsresol = 0: seconds
+  for (const std::uint64_t t : {first, second})
+    file += blocks_of({6, 48, 0, static_cast<std::uint32_t>(t >> 32), static_cast<std::uint32_t>(t), 16, 16,
+                       0, 0, 0, 0, 48});
+  return {file.begin(), file.end()};
+}
+
+TEST(Survey, TimesOfNoAgeEndTheFile) {
+  const ScratchFile file("times.pcapng");
+  const auto survey = [&](std::uint64_t second) {
+    file.put(pcapng_at(1'600'000'000, second));
+    return std::get<CaptureSurvey>(survey_capture(file.path()));
+  };
+  const CaptureSurvey good = survey(1'600'000'007);
+  EXPECT_FALSE(good.error);
+  EXPECT_EQ(good.last_ns - good.first_ns, 7'000'000'000);
+  for (const std::uint64_t second :
+       {~std::uint64_t{0}, std::uint64_t{1} << 63, std::uint64_t{1} << 62, std::uint64_t{4'700'000'000}}) {
+    const CaptureSurvey bad = survey(second);
+    EXPECT_EQ(bad.packets, 1U) << second;
+    ASSERT_TRUE(bad.error) << second;
+    EXPECT_THAT(*bad.error, testing::HasSubstr("damaged"));
+  }
+}
+
+TEST(Survey, ClocksOfNoAgeAreNone) {
+  std::array<std::uint8_t, 8> bytes{};
+  Datagram d;
+  d.command = EcatCommand::frmw;
+  d.address = 0x09100000 + 1001;
+  d.working_counter = 1;
+  d.data = bytes;
+  BusFrame frame;
+  frame.datagrams = {&d, 1};
+  bytes[7] = 0x3f;
+  EXPECT_TRUE(clock_of(frame));
+  bytes[7] = 0x41;
+  EXPECT_FALSE(clock_of(frame));
+  EslInfo esl;
+  EXPECT_FALSE(time_of(esl));
+  esl.timestamp_ns = 5;
+  EXPECT_EQ(time_of(esl), 5);
+  esl.timestamp_ns = ~std::uint64_t{0};
+  EXPECT_FALSE(time_of(esl));
 }
 
 TEST(Readers, MutatedCapturesNeverGiveNumbersThatAreNone) {

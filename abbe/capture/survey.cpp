@@ -10,6 +10,7 @@ namespace {
 constexpr std::uint16_t kSystemTime = 0x0910;
 constexpr std::size_t kMostIntervals = 65536, kMostProcess = 4096;
 constexpr std::uint64_t kReportEvery = 1U << 16;
+constexpr auto kLatest = static_cast<std::uint64_t>(kLatestTime);
 
 /// Times between frames of each process datagram, for the cycle, and since the one before it, whichever.
 class CycleWatch {
@@ -97,7 +98,7 @@ class Surveyor {
     s_.udp += frame.udp ? 1 : 0;
     if (!frame.esl) return;
     ++s_.esl;
-    s_.esl_timed += frame.esl->timestamp_ns != 0 ? 1 : 0;
+    s_.esl_timed += time_of(*frame.esl) ? 1 : 0;
     s_.esl_errors += frame.esl->alignment_error || frame.esl->crc_error ? 1 : 0;
     if (frame.esl->port >= 0) ++s_.esl_ports[static_cast<std::size_t>(frame.esl->port)];
   }
@@ -168,10 +169,19 @@ std::optional<ClockReading> clock_of(const BusFrame& frame) {
     const bool reads =
         d.command == C::frmw || d.command == C::armw || d.command == C::fprd || d.command == C::aprd;
     if (!reads) continue;
-    if (d.data.size() == 8) return ClockReading{load_little<std::uint64_t>(d.data.data()), true};
+    if (d.data.size() == 8) {
+      const auto ns = load_little<std::uint64_t>(d.data.data());
+      if (ns > kLatest) continue;
+      return ClockReading{ns, true};
+    }
     if (d.data.size() == 4) return ClockReading{load_little<std::uint32_t>(d.data.data()), false};
   }
   return std::nullopt;
+}
+
+std::optional<std::int64_t> time_of(const EslInfo& esl) {
+  if (esl.timestamp_ns == 0 || esl.timestamp_ns > kLatest) return std::nullopt;
+  return static_cast<std::int64_t>(esl.timestamp_ns);
 }
 
 FileResult<CaptureSurvey> survey_capture(const std::string& path, std::uint64_t most,

@@ -70,11 +70,14 @@ struct CaptureSurvey {
                                                        const Progress& progress = {});
 
 /// The reading of the distributed clock in a frame (register 0x0910, 4 or 8 bytes), ns; nullopt if there is
-/// none.
+/// none, or one after kLatestTime.
 struct ClockReading {
   std::uint64_t ns = 0;
   bool whole = false;  ///< 8 bytes; else the lower 4
 };
 [[nodiscard]] std::optional<ClockReading> clock_of(const BusFrame& frame);
+
+/// The time that a switch link gives, ns; nullopt if it gives none, or one after kLatestTime.
+[[nodiscard]] std::optional<std::int64_t> time_of(const EslInfo& esl);
 
 }  // namespace abbe

@@ -66,7 +66,7 @@ TEST(ClCorpus, IsCompensatedOrRefusedWithAReason) {
         run = run_cl(plan, text, wide);
       }
       row.lines = run.rewrite.lines_in;
-      row.motions = std::max(row.motions, run.rewrite.motions);
+      row.motions = std::max(row.motions, run.rewrite.blocks.motion);
       row.arcs = std::max(row.arcs, run.rewrite.arcs_in);
       if (!run.rewrite.complete) {
         ASSERT_FALSE(run.refusal().empty()) << name;

@@ -70,6 +70,19 @@ std::optional<double> number_of(const Record& record) {
   return item == record.items.end() ? std::nullopt : std::optional(item->value);
 }
 
+constexpr double kMostValue = 1e7;  // of a speed in 1/min or a time in s: more is a wrong number
+
+bool can_be_meant(double value) { return value >= 0 && value <= kMostValue; }
+
+/// Words have no exponent. Without zeros at the end.
+std::string digits_of(double value) {
+  std::string text;
+  append_fixed(text, value, 4);
+  text.erase(text.find_last_not_of('0') + 1);
+  if (text.back() == '.') text.pop_back();
+  return text;
+}
+
 bool says(const Record& record, std::initializer_list<std::string_view> words) {
   return std::any_of(record.items.begin(), record.items.end(), [&](const Item& item) {
     return std::find(words.begin(), words.end(), item.word) != words.end() && !item.is_number;
@@ -96,13 +109,13 @@ std::string EventWriter::spindle(const Record& record, Findings& findings) {
   if (says(record, {"CLW"})) turning_ = "M3";
   if (says(record, {"CCLW"})) turning_ = "M4";
   const auto speed = number_of(record);
-  if (turning_.empty() || (!speed && !says(record, {"ON"})) || (speed && !(*speed >= 0))) {
+  if (turning_.empty() || (!speed && !says(record, {"ON"})) || (speed && !can_be_meant(*speed))) {
     findings.refuse(record,
-                    {"E-RECORD", "SPINDL without a speed or a sense",
+                    {"E-RECORD", "SPINDL without a sense, or without a speed that can be meant",
                      "a spindle that turns the wrong way breaks the tool", "write SPINDL/RPM,2000,CLW"});
     return {};
   }
-  return speed ? fmt::format("S{} {}\n", to_shortest(*speed), turning_) : turning_ + '\n';
+  return speed ? fmt::format("S{} {}\n", digits_of(*speed), turning_) : turning_ + '\n';
 }
 
 std::string EventWriter::coolant(const Record& record, Findings& findings) {
@@ -124,8 +137,8 @@ std::string EventWriter::words_of(const Record& record, Findings& findings) {
   if (major == "FINI" || major == "END") return major == "FINI" ? "M2\n" : "";
   if (major == "DELAY") {
     const auto seconds = number_of(record);
-    if (seconds && *seconds >= 0 && record.items.size() == 1)
-      return fmt::format("G4 P{}\n", to_shortest(*seconds));
+    if (seconds && can_be_meant(*seconds) && record.items.size() == 1)
+      return fmt::format("G4 P{}\n", digits_of(*seconds));
   }
   return refused(record, findings);
 }

@@ -21,6 +21,7 @@ constexpr double kSpacing = 5;  // mm between looks along a piece
 constexpr double kTurnSpacing = 2 * deg;
 constexpr double kAtRest = 1e-6;     // mm
 constexpr double kSamePlace = 1e-4;  // mm: what a correction may leave of the tip
+constexpr double kLeastFeed = 1e-3, kMostFeed = 1e6;  // mm/min, mm per turn, 1/min: beyond is a wrong number
 constexpr std::string_view kAddresses = "XYZABCUVW";
 
 /// One moving axis as a word.
@@ -273,9 +274,24 @@ bool Emitter::pieces(const Record& record, const Motion& motion, const Node& a, 
          pieces(record, motion, middle, b, depth + 1, out);
 }
 
+/// mm/min or mm per turn; of inverse time 1/min.
+double value_of(const Feed& feed) {
+  return feed.inch && feed.mode != FeedMode::inverse_time ? feed.value * 25.4 : feed.value;
+}
+
+/// The F of G93 in 1/min. A long way at a slow feed is a small number, and F0 would be none.
+std::string inverse_time_word(double value) { return fmt::format("F{:.{}f}", value, value < 0.01 ? 9 : 5); }
+
 bool Emitter::feed_is_known(const Record& record, bool turns) {
   const Feed& feed = feed_in_force();
   const bool by_time = feed.mode == FeedMode::per_minute || feed.mode == FeedMode::inverse_time;
+  const double value = value_of(feed);
+  if (value > 0 && !(value >= kLeastFeed && value <= kMostFeed)) {
+    findings_.refuse(record, {"E-FEED", fmt::format("a feed of {:.6g}", value),
+                              "so slow or fast a motion can only be a wrong number or unit",
+                              "correct FEDRAT or the feed of CYCLE"});
+    return false;
+  }
   if (feed.value > 0 && (by_time || (feed.mode == FeedMode::per_revolution && !turns))) return true;
   findings_.refuse(record,
                    {"E-FEED",
@@ -288,16 +304,15 @@ bool Emitter::feed_is_known(const Record& record, bool turns) {
 /// G94 F along the tip; G93 F = 1 / time, where the control's own length is not the tip's.
 std::string Emitter::feed_word(const Motion& motion, const Node& a, const Node& b) {
   const Feed& feed = feed_in_force();
-  const double value = feed.value * (feed.inch ? 25.4 : 1), turn = turn_between(a, b),
-               length = length_of(motion) * (b.s - a.s);
+  const double value = value_of(feed), turn = turn_between(a, b), length = length_of(motion) * (b.s - a.s);
   std::string mode, number;
   if (feed.mode == FeedMode::inverse_time) {
     mode = "G93";
-    number = fmt::format("F{:.5f}", feed.value / (b.s - a.s));
+    number = inverse_time_word(value / (b.s - a.s));
   } else if (turn > 0.5e-5 * deg && feed.mode == FeedMode::per_minute) {
     const double minutes = length > kAtRest ? length / value : turn / deg / value;
     mode = "G93";
-    number = fmt::format("F{:.5f}", 1 / minutes);
+    number = inverse_time_word(1 / minutes);
   } else {
     mode = feed.mode == FeedMode::per_revolution ? "G95" : "G94";
     number = fmt::format("F{:.4f}", value);

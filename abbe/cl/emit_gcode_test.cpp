@@ -42,17 +42,15 @@ std::vector<Block> blocks_of(const std::string& text, const Machine& machine) {
 }
 
 std::string emit(const Plan& plan, const std::string& text, bool ideal, GcodeReport& report) {
-  const std::string path = ::testing::TempDir() + "abbe_emit_" + std::to_string(::getpid());
-  std::ofstream(path, std::ios::binary) << text;
+  const TestFile file(text);
   GcodeJob job;
-  job.path = path;
+  job.path = file.path();
   job.name = "part.cls";
   job.ideal = ideal;
   job.probed_datum = false;
   job.start[1] = 30 * deg;
   auto spool = SpoolFile::create("-");
   report = emit_gcode(plan, job, std::get<SpoolFile>(spool));
-  ::unlink(path.c_str());
   return report.complete ? slurp(std::get<SpoolFile>(spool).temporary_path()) : std::string();
 }
 
@@ -141,6 +139,23 @@ TEST(EmitGcode, ACycleDrillsWithItsOwnFeed) {
   EXPECT_EQ(drilled("MM", "DRILL,RAPTO,2,FEDTO,8,DWELL,1"), "E-CYCLE");
 }
 
+TEST(EmitGcode, WordsHaveNoExponent) {
+  GcodeReport report;
+  const std::string text =
+      emit(plan_of(kThreeAxes), "UNITS/MM\nSPINDL/RPM,100000,CLW\nDELAY/0.0002\nRAPID\nGOTO/0,0,50\nFINI\n",
+           true, report);
+  EXPECT_NE(text.find("S100000 M3\nG4 P0.0002\n"), std::string::npos) << text;
+}
+
+// F0 of G93 would be no feed at all.
+TEST(EmitGcode, ALongTimeKeepsItsDigits) {
+  GcodeReport report;
+  const std::string text =
+      emit(plan_of(kThreeAxes), "UNITS/MM\nRAPID\nGOTO/0,0,50\nFEDRAT/0.0012345,INVERS\nGOTO/1,0,50\nFINI\n",
+           true, report);
+  EXPECT_NE(text.find("G93 F0.001234500\n"), std::string::npos) << text;
+}
+
 TEST(EmitGcode, AFeedPerMinuteCountsInTheUnitsOfTheFile) {
   GcodeReport report;
   const std::string text = emit(
@@ -180,6 +195,10 @@ TEST(EmitGcode, WhatHasNoWordIsRefused) {
   EXPECT_EQ(refusal("AUXFUN/77\n"), "E-RECORD");
   EXPECT_EQ(refusal("PPFUN/1\n"), "E-RECORD");
   EXPECT_EQ(refusal("GOTO/1,1,1\n"), "E-FEED");
+  EXPECT_EQ(refusal("FEDRAT/1E-9,MMPM\nGOTO/1,1,1\n"), "E-FEED") << "would be F0.0000";
+  EXPECT_EQ(refusal("FEDRAT/1E9,MMPM\nGOTO/1,1,1\n"), "E-FEED");
+  EXPECT_EQ(refusal("SPINDL/RPM,1E20,CLW\n"), "E-RECORD");
+  EXPECT_EQ(refusal("DELAY/1E9\n"), "E-RECORD");
   EXPECT_EQ(refusal("GOTO/999,1,1\n"), "E-TRAVEL");
 }
 

@@ -20,7 +20,7 @@ class Mutation : public ::testing::Test {
     good_ = run.output;
   }
   std::string verdict(const std::string& output) {
-    const ClVerifyReport report = verify_texts(plan_, kProgram, output, options_);
+    const VerifyReport report = verify_texts(plan_, kProgram, output, options_);
     for (const Diagnostic& d : report.diagnostics) {
       if (d.severity == Severity::error) {
         EXPECT_FALSE(report.agrees);

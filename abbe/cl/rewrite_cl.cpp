@@ -21,8 +21,8 @@ bool flush(std::string& text, bool refused, SpoolFile& out) {
 
 }  // namespace
 
-ClReport rewrite_cl(const Plan& plan, const ClJob& job, SpoolFile& out, const Progress& progress) {
-  ClReport report;
+RewriteReport rewrite_cl(const Plan& plan, const ClJob& job, SpoolFile& out, const Progress& progress) {
+  RewriteReport report;
   const auto fail = [&](Diagnostic d) {
     report.diagnostics.push_back(std::move(d));
     return report;

@@ -114,7 +114,21 @@ TEST(RewriteCl, AProbedDatumTakesItsOwnDeviationOff) {
   // 300 + e(300) - e(200) = 300 + a 100
   EXPECT_NEAR(numbers_of(run.output, "GOTO", 1)[0], 100 - kScale * 100, 2 * kDigit);
   ASSERT_FALSE(run.verify.datums.empty());
-  EXPECT_NEAR(run.verify.datums.front().second.x(), 200 * kScale, 1e-9);
+  EXPECT_NEAR(run.verify.datums.front().removed.x(), 200 * kScale, 1e-9);
+}
+
+// 1 mm where the tip is off by 100 sqrt(a^2 + b^2), 99 mm where it is not off at all; the places of the first
+// are equally bad, and what rounding makes of them decides nothing.
+TEST(VerifyCl, TheRmsCountsThePathAndTheFirstWorstPlaceIsNamed) {
+  const ClRun run = run_cl(plan_of(kThreeAxes),
+                           "UNITS/MM\nFEDRAT/100,MMPM\nRAPID\nGOTO/100,0,0\nGOTO/100,0.4,0\nGOTO/100,0.7,0\n"
+                           "GOTO/100,1,0\nRAPID\nGOTO/0,0,0\nGOTO/0,99,0\nFINI\n");
+  ASSERT_TRUE(run.verify.agrees) << run.findings();
+  const double off = 100 * std::hypot(kScale, kShear);
+  EXPECT_NEAR(run.verify.before.max, off, 1e-3 * off);
+  EXPECT_NEAR(run.verify.before.rms, off / 10, 1e-3 * off);
+  EXPECT_EQ(run.verify.before.max_line, 5U);
+  EXPECT_NEAR(run.verify.before.max_component[1], 100 * kShear, 1e-3 * off);
 }
 
 TEST(RewriteCl, ZeroErrorsChangeNoByte) {
@@ -148,8 +162,8 @@ TEST(RewriteCl, ToolAxesAreTurnedBack) {
   options.start[1] = 30 * deg;
   const ClRun run = run_cl(plan, text, options);
   ASSERT_TRUE(run.verify.agrees) << run.findings();
-  EXPECT_GT(run.verify.before.max_angle, 50 * urad);
-  EXPECT_LT(run.verify.after.max_angle, 0.1 * urad);
+  EXPECT_GT(run.verify.direction_before, 50 * urad);
+  EXPECT_LT(run.verify.direction_after, 0.1 * urad);
   const auto written = numbers_of(run.output, "GOTO");
   const double turn = std::atan2(written[4], written[5]) - std::atan2(0.5, 0.8660254);
   EXPECT_NEAR(std::abs(turn), 100 * urad, 0.1 * urad);
@@ -158,7 +172,7 @@ TEST(RewriteCl, ToolAxesAreTurnedBack) {
   const ClRun kept = run_cl(plan, text, options);
   ASSERT_TRUE(kept.verify.agrees) << kept.findings();
   EXPECT_EQ(numbers_of(kept.output, "GOTO")[4], 0.5);
-  EXPECT_GT(kept.verify.after.max_angle, 50 * urad);
+  EXPECT_GT(kept.verify.direction_after, 50 * urad);
 }
 
 TEST(RewriteCl, TurningMotionsAreSplitWhereTheCorrectionBends) {
@@ -169,7 +183,7 @@ TEST(RewriteCl, TurningMotionsAreSplitWhereTheCorrectionBends) {
                            "here\nGOTO/160,120,-10,0.5,-0.5,0.7071068 $$ there\nFINI\n",
                            options);
   ASSERT_TRUE(run.verify.agrees) << run.findings();
-  EXPECT_EQ(run.rewrite.split, 1U);
+  EXPECT_EQ(run.rewrite.blocks.split, 1U);
   EXPECT_GT(count_of(run.output, "GOTO"), 4U);
   EXPECT_EQ(count_of(run.output, "$$ there"), 1U);
   EXPECT_LT(run.verify.after.max, run.verify.allowed);

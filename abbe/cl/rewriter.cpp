@@ -19,9 +19,17 @@ bool holds_line(const Record& record, std::uint64_t line) {
   return line >= record.line && line < record.line + record.line_count;
 }
 
+std::string axes_text(const Machine& machine, const Commands& q) {
+  std::string text;
+  for (int i = 0; i < machine.axis_count(); ++i)
+    text += fmt::format("{}{} {:.5f}", i == 0 ? "" : "  ", machine.axis(i).name,
+                        q[static_cast<std::size_t>(i)] / machine.axis_unit(i));
+  return text;
+}
+
 }  // namespace
 
-Rewriter::Rewriter(const Plan& plan, AxisSet free, const ClJob& job, ClReport& report)
+Rewriter::Rewriter(const Plan& plan, AxisSet free, const ClJob& job, RewriteReport& report)
     : job_(job),
       report_(report),
       machine_(plan.machine()),
@@ -90,7 +98,7 @@ void Rewriter::record(std::string& out) {
       held_.push_back(record);
       return;
     case Interpreter::Outcome::motion:
-      ++report_.motions;
+      ++report_.blocks.motion;
       if (!motion(record, out)) last_.reset();
       held_.clear();
       return;
@@ -172,7 +180,7 @@ bool Rewriter::refuse(const Record& record, PoseField::Trouble trouble, const To
 bool Rewriter::place_is_good(const Record& record, const PoseField::Place& place) {
   if (!refuse(record, place.trouble, place.pose, place.axis)) return false;
   if (!place.singular || !interpreter_.motion().axis_free) return true;
-  ++report_.singular;
+  ++report_.held_blocks;
   if (!singular_warned_) {
     singular_warned_ = true;
     findings_.warn(record, {"W-SINGULAR",
@@ -251,7 +259,6 @@ bool Rewriter::note(const Record& record, const Node& node) {
     report_.max_correction[i] = std::abs(c[k]);
     report_.max_line[i] = record.line;
   }
-  report_.max_turn = std::max(report_.max_turn, node.written.axis.cross(node.place.pose.axis).norm());
   if (c.norm() > job_.max_correction) {
     findings_.refuse(record, {"E-CORRECTION",
                               fmt::format("the correction is {:.1f} um, {:.0f} um is the limit",
@@ -298,9 +305,9 @@ bool Rewriter::motion(const Record& record, std::string& out) {
                                             : "the end is corrected",
           end.text);
     if (end.text == record.bytes)
-      ++report_.passed;
+      ++report_.blocks.passed;
     else
-      ++report_.rewritten;
+      ++report_.blocks.rewritten;
     write(end.text, out);
   }
   end.s = 0;
@@ -333,19 +340,21 @@ bool Rewriter::hole(const Record& record, const Node& node) {
   return true;
 }
 
-void Rewriter::trace(const Record& record, const Node& end, std::string decision, std::string_view written) {
+void Rewriter::trace(const Record& record, const Node& end, std::string_view decision,
+                     std::string_view written) {
   if (job_.trace_line == 0 || !holds_line(record, job_.trace_line)) return;
-  ClTrace t;
+  BlockTrace t;
+  t.frame = "CL data";
   t.tool = tool_;
   t.gauge_length = gauge_length(job_.setup, machine_, tool_).length;
   t.frame_origin = placement_.origin;
   t.datum = field_.datum();
-  t.start = last_ ? last_->place.pose : end.place.pose;
-  t.end = end.place.pose;
-  t.written = end.written;
-  t.commanded = end.place.q;
-  t.corrected = end.q;
-  t.decision = std::move(decision);
+  t.start = (last_ ? last_->place : end.place).pose.tip;
+  t.end = end.place.pose.tip;
+  t.correction = end.written.tip - t.end;
+  const Vec3& axis = end.written.axis;
+  t.decision = fmt::format("{}; tool axis {:.8f} {:.8f} {:.8f}; axes {} instead of {}", decision, axis.x(),
+                           axis.y(), axis.z(), axes_text(machine_, end.q), axes_text(machine_, end.place.q));
   const auto text = [](std::string_view bytes) {
     return std::string(bytes.substr(0, bytes.size() - end_of_line(bytes).size()));
   };

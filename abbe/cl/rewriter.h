@@ -15,7 +15,7 @@ namespace abbe::cl {
 /// Rewrites one CL file line by line; what rewrite_cl does with its lines.
 class Rewriter {
  public:
-  Rewriter(const Plan& plan, AxisSet free, const ClJob& job, ClReport& report);
+  Rewriter(const Plan& plan, AxisSet free, const ClJob& job, RewriteReport& report);
 
   void line(std::string_view bytes, std::uint64_t number, bool too_long, std::string& out);
   void finish(std::string& out);
@@ -66,10 +66,10 @@ class Rewriter {
   void write_arc(const Record& record, const std::vector<ArcPiece>& pieces, std::string& out);
   [[nodiscard]] std::string circle_bytes(const ArcPiece& piece, const Node& start, bool first) const;
 
-  void trace(const Record& record, const Node& end, std::string decision, std::string_view written);
+  void trace(const Record& record, const Node& end, std::string_view decision, std::string_view written);
 
   const ClJob& job_;
-  ClReport& report_;
+  RewriteReport& report_;
   const Machine& machine_;
   Findings findings_;
   RecordReader reader_;

@@ -157,11 +157,11 @@ bool Rewriter::line_motion(const Record& record, const Node& end, std::string& o
       piece.pop_back();
     text += piece;
   }
-  if (ends.size() > 1) ++report_.split;
+  if (ends.size() > 1) ++report_.blocks.split;
   if (text == record.bytes)
-    ++report_.passed;
+    ++report_.blocks.passed;
   else
-    ++report_.rewritten;
+    ++report_.blocks.rewritten;
   trace(record, end,
         ends.size() > 1 ? fmt::format("split into {} lines", ends.size()) : "the end is corrected", text);
   write(text, out);
@@ -247,7 +247,7 @@ bool Rewriter::arc(const Record& record, const Node& end, std::string& out) {
   std::vector<ArcPiece> pieces;
   if (!arc_pieces(record, start, end, 0, pieces)) return false;
   report_.arcs_out += pieces.size();
-  if (pieces.size() > 1) ++report_.split;
+  if (pieces.size() > 1) ++report_.blocks.split;
   write_arc(record, pieces, out);
   return true;
 }
@@ -292,9 +292,9 @@ void Rewriter::write_arc(const Record& record, const std::vector<ArcPiece>& piec
     start = pieces[i].end;
   }
   if (text == before)
-    ++report_.passed;
+    ++report_.blocks.passed;
   else
-    ++report_.rewritten;
+    ++report_.blocks.rewritten;
   trace(record, pieces.back().end,
         pieces.size() > 1 ? fmt::format("an arc in {} arcs", pieces.size()) : "an arc stays one arc", text);
   write(text, out);

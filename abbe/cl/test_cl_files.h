@@ -1,28 +1,23 @@
 #pragma once
 
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <fstream>
-#include <sstream>
+#include <map>
+#include <optional>
 #include <string>
 
+#include "abbe/chain/test_plan.h"
 #include "abbe/cl/rewrite_cl.h"
 #include "abbe/cl/verify_cl.h"
-#include "abbe/machine/read_machine.h"
+#include "abbe/core/test_files.h"
 
 /// Machines, files and runs for the tests of CL data.
 namespace abbe::cl {
 
-inline Plan plan_of(const std::string& text) {
-  auto machine =
-      read_machine({"m.toml", text}, std::nullopt, [](const std::string&) { return std::nullopt; });
-  if (!machine.value) {
-    for (const Diagnostic& d : machine.diagnostics) ADD_FAILURE() << to_text(d);
-    std::abort();
-  }
-  return std::get<Plan>(make_plan(*machine.value, {}));
-}
+using abbe::testing::kPerfect;
+using abbe::testing::plan_of;
+using abbe::testing::slurp;
+using abbe::testing::TestFile;
 
 /// A machine of three linear axes whose errors can be inverted on paper: tip = (x + a x, y + b x, z).
 inline constexpr double kScale = 1e-4, kShear = 2e-4;
@@ -40,9 +35,6 @@ range = [-500, 500]
 EXX = { poly = [0, 0.1] }
 EYX = { poly = [0, 0.2] }
 )";
-
-inline const char* const kPerfect =
-    "format = 1\n[machine]\nname = \"perfect\"\nchain = \"w b X Y Z t\"\n[axis.X]\n[axis.Y]\n[axis.Z]\n";
 
 /// A table that tilts about X and turns about Z, tool 150 mm.
 inline std::string five_axes(const std::string& errors) {
@@ -98,8 +90,8 @@ struct Options {
 };
 
 struct ClRun {
-  ClReport rewrite;
-  ClVerifyReport verify;
+  RewriteReport rewrite;
+  VerifyReport verify;
   std::string output;  ///< empty: refused
 
   [[nodiscard]] std::string findings() const {
@@ -130,13 +122,6 @@ struct ClRun {
   }
 };
 
-inline std::string slurp(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
 inline ControlSetup setup_of(const Options& options) {
   ControlSetup setup;
   setup.work_offsets[0] = options.g54;
@@ -144,46 +129,40 @@ inline ControlSetup setup_of(const Options& options) {
   return setup;
 }
 
-inline ClVerifyReport verify_texts(const Plan& plan, const std::string& original, const std::string& output,
-                                   const Options& options = {}) {
-  const std::string stem = ::testing::TempDir() + "abbe_cl_v_" + std::to_string(::getpid());
-  std::ofstream(stem + ".a", std::ios::binary) << original;
-  std::ofstream(stem + ".b", std::ios::binary) << output;
-  ClVerifyJob job;
-  job.original_path = stem + ".a";
-  job.output_path = stem + ".b";
-  job.original_name = "part.cls";
-  job.output_name = "out.cls";
+/// What the rewriter and the verifier are told alike.
+template <class Job>
+void set_options(const Options& options, Job& job) {
   job.setup = setup_of(options);
   job.conventions = options.conventions;
   job.start = options.start;
   job.probed_datum = options.probed;
   job.tolerance = options.tolerance;
   job.max_correction = options.max_correction;
-  ClVerifyReport report = verify_cl(plan, job);
-  ::unlink(job.original_path.c_str());
-  ::unlink(job.output_path.c_str());
-  return report;
+}
+
+inline VerifyReport verify_texts(const Plan& plan, const std::string& original, const std::string& output,
+                                 const Options& options = {}) {
+  const TestFile a(original), b(output);
+  ClVerifyJob job;
+  job.original_path = a.path();
+  job.output_path = b.path();
+  job.original_name = "part.cls";
+  job.output_name = "out.cls";
+  set_options(options, job);
+  return verify_cl(plan, job);
 }
 
 inline ClRun run_cl(const Plan& plan, const std::string& text, const Options& options = {}) {
-  const std::string path = ::testing::TempDir() + "abbe_cl_" + std::to_string(::getpid());
-  std::ofstream(path, std::ios::binary) << text;
+  const TestFile file(text);
   ClJob job;
-  job.path = path;
+  job.path = file.path();
   job.name = "part.cls";
-  job.setup = setup_of(options);
-  job.conventions = options.conventions;
-  job.start = options.start;
-  job.probed_datum = options.probed;
-  job.tolerance = options.tolerance;
-  job.max_correction = options.max_correction;
+  set_options(options, job);
   job.header = options.header;
   job.trace_line = options.trace_line;
   auto spool = SpoolFile::create("-");
   ClRun run;
   run.rewrite = rewrite_cl(plan, job, std::get<SpoolFile>(spool));
-  ::unlink(path.c_str());
   if (!run.rewrite.complete) return run;
   run.output = slurp(std::get<SpoolFile>(spool).temporary_path());
   run.verify = verify_texts(plan, text, run.output, options);

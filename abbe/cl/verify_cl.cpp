@@ -29,15 +29,15 @@ Diagnostic about_file(const std::string& name, const char* code, std::string mes
           std::move(message), {},   "check the path and the machine file"};
 }
 
-ClFile facts_of(LineReader& file) {
+ProgramFacts facts_of(LineReader& file) {
   file.read_on();
   return {file.line_number(), file.bytes_read(), file.sha256()};
 }
 
 }  // namespace
 
-ClVerifyReport verify_cl(const Plan& plan, const ClVerifyJob& job, const Progress& progress) {
-  ClVerifyReport report;
+VerifyReport verify_cl(const Plan& plan, const ClVerifyJob& job, const Progress& progress) {
+  VerifyReport report;
   const auto free = free_axes(plan.machine(), 0);
   if (!free) {
     report.diagnostics.push_back(about_file(job.original_name, "E-MACHINE",
@@ -56,6 +56,7 @@ ClVerifyReport verify_cl(const Plan& plan, const ClVerifyJob& job, const Progres
   report.original_identity = original.file().identity();
   cl::verifying::Comparison comparison(plan, *free, job, report);
   const bool same = comparison.run(original, output, progress);
+  comparison.finish();
   for (const auto* fault : {&original.fault(), &output.fault()}) {
     if (*fault) report.diagnostics.push_back(**fault);
   }

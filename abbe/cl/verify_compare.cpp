@@ -70,11 +70,12 @@ TipAxis on_step(const Step& step, double s) {
   return at;
 }
 
-Comparison::Comparison(const Plan& plan, AxisSet free, const ClVerifyJob& job, ClVerifyReport& report)
+Comparison::Comparison(const Plan& plan, AxisSet free, const ClVerifyJob& job, VerifyReport& report)
     : plan_(plan),
       job_(job),
       report_(report),
-      machine_(plan, free, job.setup.work_offsets[0], job.probed_datum, job.start) {
+      machine_(plan, free, job.setup.work_offsets[0], job.probed_datum, job.start),
+      samples_(job.samples) {
   report_.quantisation = kDigits;
   report_.allowed = job.tolerance + kDigits;
 }
@@ -108,11 +109,13 @@ bool Comparison::run(PathReader& original, PathReader& output, const Progress& p
     disagree("V-EXTRA", *more, nullptr, "the output goes on after the end of the original");
     return false;
   }
-  if (counted_ > 0) {
-    report_.before.rms = std::sqrt(sum_before_ / static_cast<double>(counted_));
-    report_.after.rms = std::sqrt(sum_after_ / static_cast<double>(counted_));
-  }
   return !output.fault() && disagreements_ == 0;
+}
+
+void Comparison::finish() {
+  report_.before = before_.summary();
+  report_.after = after_.summary();
+  report_.samples = samples_.take();
 }
 
 void Comparison::use_tool(const Step& original) {
@@ -120,7 +123,8 @@ void Comparison::use_tool(const Step& original) {
   tool_used_ = true;
   tool_ = original.tool;
   machine_.use_tool(tool_of(plan_.machine(), gauge_length(job_.setup, plan_.machine(), tool_).length));
-  report_.datums.emplace_back(tool_.value_or(-1), machine_.removed());
+  note_datum(report_.datums,
+             {job_.setup.work_offsets[0] ? "G54" : "workpiece", tool_.value_or(-1), machine_.removed()});
 }
 
 /// The next step of the output. Our own header, before everything else, is none.
@@ -136,7 +140,7 @@ std::optional<Step> Comparison::next_step(PathReader& output) {
 /// Anything but a motion: the same bytes at the same place.
 bool Comparison::record(const Step& original, PathReader& output) {
   auto other = next_step(output);
-  ++report_.records;
+  ++report_.events;
   if (!other) {
     if (!output.fault()) disagree("V-MISSING", original, nullptr, "the output ends before this record");
     return false;
@@ -280,8 +284,8 @@ bool Comparison::direction_agrees(const Step& original, const Step& piece, const
                                   const Outcome& nominal) {
   const double before = angle_between(nominal.axis, original.end_axis),
                after = angle_between(there.axis, original.end_axis);
-  report_.before.max_angle = std::max(report_.before.max_angle, before);
-  report_.after.max_angle = std::max(report_.after.max_angle, after);
+  report_.direction_before = std::max(report_.direction_before, before);
+  report_.direction_after = std::max(report_.direction_after, after);
   worst_turn_ = std::max(worst_turn_, before);
   if (original.axis_stated && !original.rotation_free && !original.circle &&
       (piece.end_axis - original.end_axis).norm() > kSameAxis) {
@@ -314,9 +318,9 @@ bool Comparison::hole(const Step& original, const Step& piece, const Outcome& no
 
 bool Comparison::inside(const Step& original, const Step& piece, double from, double to, const Stand& begin,
                         const Outcome& end) {
-  const double part = to - from;
-  const double looks = length_of(original) * part / kLooks +
-                       angle_between(original.start_axis, original.end_axis) * part / kLooksTurn;
+  const double part = to - from, way = length_of(original) * part;
+  const double looks =
+      way / kLooks + angle_between(original.start_axis, original.end_axis) * part / kLooksTurn;
   const int side = begin.side == end.side ? end.side : 0;
   const double share = from < 1 ? part / (1 - from) : 1;  // of the way to the end
   const int looked_at = std::clamp(static_cast<int>(std::min(looks, 1e4)) + 3, original.circle ? 9 : 3, 97);
@@ -330,7 +334,7 @@ bool Comparison::inside(const Step& original, const Step& piece, double from, do
                   there = machine_.near(written.tip, written.axis, guess, side);
     if (!fit_to_run(original, piece, there)) return false;
     const Vec3 before = bare.tip - nominal.tip, after = there.tip - nominal.tip;
-    count(original, nominal.tip, before, after);
+    count(original, nominal.tip, before, after, way / looked_at);
     if (after.norm() <= report_.allowed) continue;
     disagree("V-PATH", original, &piece,
              fmt::format("the path is left by {:.2f} um, {:.2f} um is allowed", after.norm() / um,
@@ -340,33 +344,16 @@ bool Comparison::inside(const Step& original, const Step& piece, double from, do
   return true;
 }
 
-void Comparison::count(const Step& original, const Vec3& nominal, const Vec3& before, const Vec3& after) {
+/// way: path since the look before, mm.
+void Comparison::count(const Step& original, const Vec3& nominal, const Vec3& before, const Vec3& after,
+                       double way) {
   ++report_.points;
-  ++counted_;
-  sum_before_ += before.squaredNorm();
-  sum_after_ += after.squaredNorm();
-  const auto largest = [&](ClDeviation& summary, const Vec3& deviation) {
-    const Vec3 w = machine_.vector_in_workpiece(deviation);
-    for (std::size_t k = 0; k < 3; ++k)
-      summary.max_component[k] =
-          std::max(summary.max_component[k], std::abs(w[static_cast<Eigen::Index>(k)]));
-    if (deviation.norm() <= summary.max) return;
-    summary.max = deviation.norm();
-    summary.max_line = original.statement.line;
-  };
-  largest(report_.before, before);
-  largest(report_.after, after);
-  if (job_.samples == 0 || seen_++ % stride_ != 0) return;
-  if (report_.samples.size() >= job_.samples) {
-    // every second one goes: the path stays evenly covered
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < report_.samples.size(); i += 2) report_.samples[kept++] = report_.samples[i];
-    report_.samples.resize(kept);
-    stride_ *= 2;
-  }
-  report_.samples.push_back({original.statement.line, machine_.in_workpiece(nominal), report_.path_length,
-                             machine_.vector_in_workpiece(before), machine_.vector_in_workpiece(after),
-                             false});
+  const std::uint64_t line = original.statement.line;
+  const Vec3 before_w = machine_.vector_in_workpiece(before), after_w = machine_.vector_in_workpiece(after);
+  before_.add(before_w, way, line);
+  after_.add(after_w, way, line);
+  if (!samples_.wants_next()) return samples_.skip();
+  samples_.add({line, machine_.in_workpiece(nominal), report_.path_length, before_w, after_w, false});
 }
 
 }  // namespace abbe::cl::verifying

@@ -5,16 +5,19 @@
 #include "abbe/cl/verify_cl.h"
 #include "abbe/cl/verify_machine.h"
 #include "abbe/cl/verify_path.h"
+#include "abbe/core/path_tally.h"
 
 namespace abbe::cl::verifying {
 
 /// Holds the steps of the output against those of the original.
 class Comparison {
  public:
-  Comparison(const Plan& plan, AxisSet free, const ClVerifyJob& job, ClVerifyReport& report);
+  Comparison(const Plan& plan, AxisSet free, const ClVerifyJob& job, VerifyReport& report);
 
   /// True while it makes sense to go on.
   [[nodiscard]] bool run(PathReader& original, PathReader& output, const Progress& progress);
+  /// Puts sums and samples into the report.
+  void finish();
 
  private:
   /// Where a motion of the original begins: the commands there.
@@ -41,19 +44,19 @@ class Comparison {
   [[nodiscard]] double progress_of(const Step& original, const Vec3& tip, const Vec3& axis) const;
   [[nodiscard]] bool close_to_end(const Step& original, const Outcome& there) const;
   void use_tool(const Step& original);
-  void count(const Step& original, const Vec3& nominal, const Vec3& before, const Vec3& after);
+  void count(const Step& original, const Vec3& nominal, const Vec3& before, const Vec3& after, double way);
 
   const Plan& plan_;
   const ClVerifyJob& job_;
-  ClVerifyReport& report_;
+  VerifyReport& report_;
   ForwardMachine machine_;
   Stand stand_;
   bool tool_used_ = false, header_over_ = false, going_on_ = true;
   std::optional<int> tool_;
   std::optional<std::string> circle_skeleton_;
   double worst_turn_ = 0;  ///< rad: largest tilt of the uncorrected tool so far
-  double sum_before_ = 0, sum_after_ = 0;
-  std::uint64_t counted_ = 0, seen_ = 0, stride_ = 1;
+  DeviationTally before_, after_;
+  SampleKeeper samples_;
   int disagreements_ = 0;
 };
 

@@ -11,9 +11,9 @@
 namespace abbe {
 namespace {
 
-// The iteration along a path ends when the next step is bound to be smaller than kTolerance, by the measured rate
-// of contraction (kFirstRate after the first step). A program is written with 0.1 um: what a further step would
-// change stays well below its last digit.
+// The iteration along a path ends when the next step is bound to be smaller than kTolerance, by the measured
+// rate of contraction (kFirstRate after the first step). A program is written with 0.1 um: what a further
+// step would change stays well below its last digit.
 constexpr double kTolerance = 20 * nm;
 constexpr double kFirstRate = 1.0 / 16;
 constexpr int kMaxSteps = 12;
@@ -30,10 +30,12 @@ constexpr double kTravelSlack = 1e-6;
 std::vector<double> knots_of(const Machine& machine, int axis) {
   const double unit = machine.axis_unit(axis);
   const auto& range = machine.axis(axis).range;
-  const double lo = (range ? (*range)[0] : -kOpenTravel) / unit, hi = (range ? (*range)[1] : kOpenTravel) / unit;
+  const double lo = (range ? (*range)[0] : -kOpenTravel) / unit,
+               hi = (range ? (*range)[1] : kOpenTravel) / unit;
   std::vector<double> all;
   for (const auto& error : machine.errors) {
-    for (const double v : error.function.knots(axis, std::min(lo, hi), std::max(lo, hi))) all.push_back(v * unit);
+    for (const double v : error.function.knots(axis, std::min(lo, hi), std::max(lo, hi)))
+      all.push_back(v * unit);
   }
   std::sort(all.begin(), all.end());
   all.erase(std::unique(all.begin(), all.end(), [](double a, double b) { return b - a < 1e-6; }), all.end());
@@ -49,7 +51,12 @@ std::vector<double> knots_of(const Machine& machine, int axis) {
 }  // namespace
 
 CorrectionField::CorrectionField(const Plan& plan, const AddressedAxes& axes, bool probed)
-    : plan_(plan), actual_tip_(plan), axes_(axes), control_(plan.machine(), axes), probed_(probed), tool_(tool_of(plan.machine())) {
+    : plan_(plan),
+      actual_tip_(plan),
+      axes_(axes),
+      control_(plan.machine(), axes),
+      probed_(probed),
+      tool_(tool_of(plan.machine())) {
   const Machine& machine = plan.machine();
   constexpr double infinity = std::numeric_limits<double>::infinity();
   constexpr std::array<double, 2> open{-infinity, infinity};
@@ -100,7 +107,8 @@ void CorrectionField::set_control_length(double length) {
 }
 
 bool CorrectionField::set_stance(const Stance& stance) {
-  const bool same = stance.tcp == stance_.tcp && stance.commanded == stance_.commanded && stance.standing == stance_.standing;
+  const bool same = stance.tcp == stance_.tcp && stance.commanded == stance_.commanded &&
+                    stance.standing == stance_.standing;
   if (same) return independent_;
   stance_ = stance;
   refresh();
@@ -108,7 +116,8 @@ bool CorrectionField::set_stance(const Stance& stance) {
 }
 
 void CorrectionField::refresh() {
-  last_offset_ = Vec3::Zero();
+  last_offset_ = ahead_offset_ = Vec3::Zero();
+  ahead_count_ = 0;
   // tip_believed(m) = A m + b at the turns of the original
   nominal_ = control_.tip_of_axes(stance_.commanded, tool_);
   commanded_axes_ = standing_axes_ = Affine{};
@@ -125,6 +134,7 @@ void CorrectionField::refresh() {
   independent_ = independent_ && back.has_value();
   if (back) inverse_axes_ = back->A;
   path_query_ = query(Vec3::Zero(), stance_.standing);
+  turn_beyond_travel_ = turn_beyond_travel(stance_.standing);
 }
 
 void CorrectionField::refresh_datum() {
@@ -132,7 +142,8 @@ void CorrectionField::refresh_datum() {
   datum_ = Vec3::Zero();
   if (!probed_) return;
   // D0 = tip_actual(m0) - tip_believed(m0), rotary axes at zero
-  const Vec3 shift = actual_tip(plan_, query(datum_point_, Turns{})) - control_.pose(datum_point_, Turns{}, tool_).position;
+  const Vec3 shift =
+      actual_tip(plan_, query(datum_point_, Turns{})) - control_.pose(datum_point_, Turns{}, tool_).position;
   if (shift.allFinite()) datum_ = shift;
 }
 
@@ -147,7 +158,8 @@ int CorrectionField::beyond_travel(const Vec3& axes) const {
 std::optional<int> CorrectionField::turn_beyond_travel(const Turns& turns) const {
   for (std::size_t k = 0; k < 3; ++k) {
     const double v = axes_.rotary[k] < 0 ? 0 : model_turn(k, turns[k]);
-    if (v < turn_travel_[k][0] - kTravelSlack || v > turn_travel_[k][1] + kTravelSlack) return 3 + static_cast<int>(k);
+    if (v < turn_travel_[k][0] - kTravelSlack || v > turn_travel_[k][1] + kTravelSlack)
+      return 3 + static_cast<int>(k);
   }
   return std::nullopt;
 }
@@ -164,26 +176,73 @@ std::optional<Vec3> CorrectionField::standing_point(const Vec3& axes) const {
   return back ? std::optional<Vec3>((*back)(axes)) : std::nullopt;
 }
 
-/// A few steps of
+kernel::TipAt CorrectionField::tip_at(const Vec3& q) {
+  const Vec3 axes = standing_axes(q);
+  for (std::size_t k = 0; k < 3; ++k)
+    path_query_.q[static_cast<std::size_t>(axes_.linear[k])] = axes[static_cast<Eigen::Index>(k)];
+  kernel::TipAt at;
+  at.tip = actual_tip_(path_query_, &at.outside);
+  return at;
+}
+
+void CorrectionField::approach_by(const std::array<signed char, 3>& approach) {
+  if (!directional_) return;
+  for (std::size_t k = 0; k < 3; ++k)
+    path_query_.approach[static_cast<std::size_t>(axes_.linear[k])] = approach[k];
+}
+
+// The correction goes on as it went since the last look.
+void CorrectionField::look_ahead(std::span<const Vec3> points, const std::array<signed char, 3>& approach) {
+  ahead_count_ = ahead_next_ = 0;
+  const std::size_t count = std::min(points.size(), kAhead);
+  if (count < 2 || stance_.tcp) return;
+  const Vec3 drift = (last_offset_ - ahead_offset_) / static_cast<double>(kAhead);
+  ahead_offset_ = last_offset_;
+  Vec3 offset = last_offset_;
+  for (std::size_t i = 0; i < count; ++i) {
+    offset += drift;
+    ahead_[i] = points[i];
+    ahead_start_[i] = points[i] + offset;
+  }
+  ahead_approach_ = approach;
+  approach_by(approach);
+  const std::array<std::size_t, 3> linear = {static_cast<std::size_t>(axes_.linear[0]),
+                                             static_cast<std::size_t>(axes_.linear[1]),
+                                             static_cast<std::size_t>(axes_.linear[2])};
+  if (actual_tip_.neighbours(path_query_, linear, std::span(ahead_start_).first(count), ahead_tips_))
+    ahead_count_ = count;
+}
+
+/// Where the search for the point begins, and the tip there if it was looked ahead at.
+const kernel::TipAt* CorrectionField::begin(const Vec3& m, unsigned withheld,
+                                            const std::array<signed char, 3>& approach, Vec3& q) {
+  for (std::size_t i = ahead_next_; withheld == 0 && i < ahead_count_; ++i) {
+    if (ahead_[i] != m || (directional_ && approach != ahead_approach_)) continue;
+    ahead_next_ = i;
+    q = ahead_start_[i];
+    return &ahead_tips_[i];
+  }
+  q = m + last_offset_;
+  return nullptr;
+}
+
+/// A few steps from answer.q, where the tip is `begun` if that is known, of
 ///   q := q - A^-1 (tip_actual(q) - target)
 /// False: not converged, outside the measured volume or a travel; `answer` says which.
-bool CorrectionField::follow(const Vec3& m, const Mat3& inverse, Answer& answer) {
+bool CorrectionField::follow(const Vec3& m, const Mat3& inverse, const kernel::TipAt* begun, Answer& answer) {
   const Vec3 target = nominal_(m) + datum_;
-  Vec3 q = m + last_offset_;
-  double before = 0;
+  Vec3 q = answer.q;
+  double before = 0;  // square of the step before
   answer.trouble = Trouble::failed;
   for (int i = 0; i < kMaxSteps; ++i) {
-    bool outside = false;
-    const Vec3 axes = standing_axes(q);
-    for (std::size_t k = 0; k < 3; ++k)
-      path_query_.q[static_cast<std::size_t>(axes_.linear[k])] = axes[static_cast<Eigen::Index>(k)];
-    const Vec3 step = inverse * (target - actual_tip_(path_query_, &outside));
+    const kernel::TipAt here = i == 0 && begun != nullptr ? *begun : tip_at(q);
+    const Vec3 step = inverse * (target - here.tip);
     q += step;
-    const double size = step.norm();
+    const double size = step.squaredNorm();
     if (!std::isfinite(size)) return false;
-    const double rate = before > 0 ? std::clamp(4 * size / before, 1e-3, 1.0) : kFirstRate;
+    const double rate = before > 0 ? std::clamp(16 * size / before, 1e-6, 1.0) : kFirstRate * kFirstRate;
     before = size;
-    if (size > kTolerance && size * rate > kTolerance) continue;
+    if (size > kTolerance * kTolerance && size * rate > kTolerance * kTolerance) continue;
     answer.q = q;
     const Vec3 reached = standing_axes(q);
     if (const int axis = beyond_travel(reached); axis >= 0) {
@@ -192,7 +251,7 @@ bool CorrectionField::follow(const Vec3& m, const Mat3& inverse, Answer& answer)
       answer.at = reached[axis];
       return false;
     }
-    if (outside) {
+    if (here.outside) {
       answer.trouble = Trouble::outside;
       return false;
     }
@@ -213,7 +272,8 @@ Mat3 CorrectionField::inverse_without(unsigned withheld) const {
   return columns.completeOrthogonalDecomposition().pseudoInverse();
 }
 
-CorrectionField::Answer CorrectionField::at(const Vec3& m, unsigned withheld, const std::array<signed char, 3>& approach) {
+CorrectionField::Answer CorrectionField::at(const Vec3& m, unsigned withheld,
+                                            const std::array<signed char, 3>& approach) {
   Answer answer;
   answer.q = m;
   const Vec3 commanded = commanded_axes(m);
@@ -223,23 +283,24 @@ CorrectionField::Answer CorrectionField::at(const Vec3& m, unsigned withheld, co
     answer.at = commanded[axis];
     return answer;
   }
-  if (const auto axis = turn_beyond_travel(stance_.standing)) {
+  if (turn_beyond_travel_) {
     answer.trouble = Trouble::travel;
-    answer.axis = *axis;
-    answer.at = stance_.standing[static_cast<std::size_t>(*axis - 3)];
+    answer.axis = *turn_beyond_travel_;
+    answer.at = stance_.standing[static_cast<std::size_t>(answer.axis - 3)];
     return answer;
   }
-  if (directional_) {
-    for (std::size_t k = 0; k < 3; ++k) path_query_.approach[static_cast<std::size_t>(axes_.linear[k])] = approach[k];
-  }
+  approach_by(approach);
   for (Eigen::Index k = 0; k < 3; ++k) {
     if (withheld & (1u << k)) last_offset_[k] = 0;
   }
-  if (!follow(m, withheld == 0 && independent_ ? inverse_axes_ : inverse_without(withheld), answer)) last_offset_.setZero();
+  const kernel::TipAt* const begun = begin(m, withheld, approach, answer.q);
+  if (!follow(m, withheld == 0 && independent_ ? inverse_axes_ : inverse_without(withheld), begun, answer))
+    last_offset_.setZero();
   return answer;
 }
 
-CorrectionField::TurnsAnswer CorrectionField::turns_at(const Vec3& m, const Turns& commanded, unsigned turning) {
+CorrectionField::TurnsAnswer CorrectionField::turns_at(const Vec3& m, const Turns& commanded,
+                                                       unsigned turning) {
   TurnsAnswer answer;
   answer.turns = stance_.standing;
   // The wanted pose is the original's; axes that do not turn stay where the output has them.

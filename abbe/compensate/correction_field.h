@@ -2,6 +2,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "abbe/chain/bend.h"
@@ -46,14 +47,19 @@ class CorrectionField {
   struct Answer {
     Vec3 q = Vec3::Zero();
     Trouble trouble = Trouble::none;
-    int axis = 0;  ///< of `travel`: 0 1 2 = X Y Z, 3 4 5 = A B C
+    int axis = 0;   ///< of `travel`: 0 1 2 = X Y Z, 3 4 5 = A B C
     double at = 0;  ///< of `travel`: where the axis would go, mm or rad
   };
   /// `withheld`: bits 0 1 2 = X Y Z stay at their command (axis mode). `approach`: -1 0 +1 per axis.
-  [[nodiscard]] Answer at(const Vec3& m, unsigned withheld = 0, const std::array<signed char, 3>& approach = {});
+  /// Answers for these points, one after the other, will soon be asked for: the first step towards each is
+  /// made for all together. Other points may be asked for, too.
+  void look_ahead(std::span<const Vec3> points, const std::array<signed char, 3>& approach);
+  [[nodiscard]] Answer at(const Vec3& m, unsigned withheld = 0,
+                          const std::array<signed char, 3>& approach = {});
 
-  /// Corrected positions of the rotary axes in `turning` (bits 0 1 2 = A B C) for the point m of the original;
-  /// the others stand as the present stance says. `held`: one was left at its command near a singularity.
+  /// Corrected positions of the rotary axes in `turning` (bits 0 1 2 = A B C) for the point m of the
+  /// original; the others stand as the present stance says. `held`: one was left at its command near a
+  /// singularity.
   struct TurnsAnswer {
     Turns turns{};
     bool held = false;
@@ -77,11 +83,15 @@ class CorrectionField {
   [[nodiscard]] std::optional<Vec3> standing_point(const Vec3& axes) const;
 
   /// Positions of axis 0 1 2 between which the correction is close to quadratic, increasing, mm.
-  [[nodiscard]] const std::vector<double>& knots(int axis) const { return knots_[static_cast<std::size_t>(axis)]; }
+  [[nodiscard]] const std::vector<double>& knots(int axis) const {
+    return knots_[static_cast<std::size_t>(axis)];
+  }
   [[nodiscard]] bool depends_on_direction() const { return directional_; }
   /// No straight move up to this length needs a look inside: between its ends the correction stays within
   /// `tolerance` of its chord, with the tool in use (abbe::straight_reach).
-  [[nodiscard]] double straight_length(double tolerance) const { return straight_reach(plan_, tool_, tolerance); }
+  [[nodiscard]] double straight_length(double tolerance) const {
+    return straight_reach(plan_, tool_, tolerance);
+  }
 
  private:
   void refresh();
@@ -90,7 +100,11 @@ class CorrectionField {
   [[nodiscard]] double model_turn(std::size_t k, double turn) const;
   [[nodiscard]] int beyond_travel(const Vec3& axes) const;
   [[nodiscard]] std::optional<int> turn_beyond_travel(const Turns& turns) const;
-  [[nodiscard]] bool follow(const Vec3& m, const Mat3& inverse, Answer& answer);
+  void approach_by(const std::array<signed char, 3>& approach);
+  [[nodiscard]] kernel::TipAt tip_at(const Vec3& q);
+  [[nodiscard]] const kernel::TipAt* begin(const Vec3& m, unsigned withheld,
+                                           const std::array<signed char, 3>& approach, Vec3& q);
+  [[nodiscard]] bool follow(const Vec3& m, const Mat3& inverse, const kernel::TipAt* begun, Answer& answer);
   [[nodiscard]] Mat3 inverse_without(unsigned withheld) const;
 
   Plan plan_;
@@ -104,15 +118,23 @@ class CorrectionField {
   Stance stance_;
   Vec3 datum_point_ = Vec3::Zero(), datum_ = Vec3::Zero();
   std::array<std::array<double, 2>, 3> travel_{}, turn_travel_{};  ///< infinite where none is given
-  std::array<bool, 3> modulo_{};                  ///< rotary axes whose positions repeat after a turn
-  Affine nominal_;                                ///< point of the original -> its tip
-  Affine commanded_axes_, standing_axes_;         ///< TCP: points -> axis commands
-  Mat3 inverse_axes_ = Mat3::Identity();          ///< of the tip's motion by points
-  bool independent_ = false;                      ///< the three axes move the tip in every direction
-  Query path_query_;                              ///< rotary axes as they stand, the tool in use
+  std::array<bool, 3> modulo_{};           ///< rotary axes whose positions repeat after a turn
+  Affine nominal_;                         ///< point of the original -> its tip
+  Affine commanded_axes_, standing_axes_;  ///< TCP: points -> axis commands
+  Mat3 inverse_axes_ = Mat3::Identity();   ///< of the tip's motion by points
+  bool independent_ = false;               ///< the three axes move the tip in every direction
+  std::optional<int> turn_beyond_travel_;  ///< of the axes as they stand: 3 4 5 = A B C
+  Query path_query_;                       ///< rotary axes as they stand, the tool in use
   std::array<std::vector<double>, 3> knots_;
   CorrectOptions turn_options_;
-  Vec3 last_offset_ = Vec3::Zero();               ///< correction found last: where the next search starts
+  Vec3 last_offset_ = Vec3::Zero();  ///< correction found last: where the next search starts
+  /// Points looked ahead at, where their search starts, and the tips there.
+  static constexpr std::size_t kAhead = kernel::TipFunction::kMost;
+  std::array<Vec3, kAhead> ahead_, ahead_start_;
+  std::array<kernel::TipAt, kAhead> ahead_tips_;
+  std::size_t ahead_count_ = 0, ahead_next_ = 0;
+  std::array<signed char, 3> ahead_approach_{};
+  Vec3 ahead_offset_ = Vec3::Zero();  ///< last_offset_ when it was looked ahead last
 };
 
 }  // namespace abbe

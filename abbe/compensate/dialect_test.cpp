@@ -216,7 +216,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Refused{"fanuc", "G12.1", "E-FRAME"}, Refused{"fanuc", "G112", "E-FRAME"}, Refused{"fanuc", "G16", "E-FRAME"},
                       Refused{"fanuc", "G68.2 X0 Y0 Z0 I0 J30. K0", "E-FRAME"}, Refused{"fanuc", "G6.2 P3 K0 X0 Y0 Z0", "E-GCODE"},
                       Refused{"fanuc", "G60 X10.", "E-GCODE"}, Refused{"fanuc", "G31 Z-5. F50", "E-GCODE"}, Refused{"fanuc", "G65 P9010", "E-GCODE"},
-                      Refused{"fanuc", "M98 P1000", "E-MCODE"}, Refused{"fanuc", "M99", "E-MCODE"}, Refused{"fanuc", "M77", "E-MCODE"},
+                      Refused{"fanuc", "M98 P1000", "E-OWORD"}, Refused{"fanuc", "M99", "E-OWORD"}, Refused{"fanuc", "M77", "E-MCODE"},
                       Refused{"fanuc", "G87 Z-5. R2. Q1. F50", "E-CYCLE"}, Refused{"fanuc", "G33 Z-5. F1.", "E-GCODE"}, Refused{"fanuc", "X#1", "E-EXPR"},
                       Refused{"fanuc", "G2 X10. P2 I5.", "E-WORD"}, Refused{"fanuc", "G81 Z-5. R60. F50", "E-CYCLE"}, Refused{"fanuc", "G54.1 P1 G55", "E-BLOCK"},
                       Refused{"fanuc", "G5 P10000 X1.", "E-BLOCK"}, Refused{"fanuc", "T1 M6 X5.", "E-AUX"}, Refused{"fanuc", "G18 G81 X5. Y-5. R2. F50", "E-CYCLE"},
@@ -228,6 +228,87 @@ INSTANTIATE_TEST_SUITE_P(
                       Refused{"grbl", "G38.2 Z-5 F50", "E-GCODE"}, Refused{"grbl", "G52 X1", "E-GCODE"}, Refused{"grbl", "G1 X5 A10 F50", "E-ROTARY"},
                       Refused{"grbl", "G10 L2 P1 X1 R5", "E-WORD"}, Refused{"grbl", "G2 X10.1 Y0 I5 J0 F100", "E-ARC"},
                       Refused{"grblhal", "G84 Z-5 R2 F50", "E-CYCLE"}, Refused{"iso", "G2 X10. R5. F50", "E-WORD"}));
+
+RewriteJob siemens_job() {
+  RewriteJob job = job_for("siemens");
+  job.setup.tools[2].comment = "name=\"MILL 10\"";
+  job.setup.further_offsets[5] = WorkOffset{{100, 0, 0}, 0};
+  return job;
+}
+std::string siemens(const std::string& program) { return rewrite(scaled_machine(), program, siemens_job()).text; }
+
+TEST(Siemens, NumbersAreReplacedWhereTheyStand) {
+  EXPECT_EQ(siemens("G71 G90 D0\nG0 X = 100 Y=0 Z0 ; c\nM30\n"), "G71 G90 D0\nG0 X = 99.9950 Y=0 Z0 ; c\nM30\n");
+  EXPECT_EQ(siemens("G700 G90 D0\nG0 X=4 Y0 Z0\nM30\n"), "G700 G90 D0\nG0 X=3.99980 Y0 Z0\nM30\n") << "0.0002 inch are 5.08 um";
+}
+
+TEST(Siemens, ARadiusWithANameIsKeptOrBecomesACentre) {
+  // X is scaled by 5e-5: the half circle about (110, 0) stays one within 0.25 um
+  const std::string text = siemens("G71 G90 D0\nG0 X100 Y0 Z0\nG2 X120 Y0 CR=10 F500\nM30\n");
+  EXPECT_THAT(text, HasSubstr("G2 X119.9940 Y0"));
+  EXPECT_THAT(text, ::testing::AnyOf(HasSubstr("CR=10"), HasSubstr("I9.99")));
+  EXPECT_THAT(text, Not(HasSubstr("CI")));
+}
+
+TEST(Siemens, FramesOfWordsAreFollowed) {
+  // TRANS X100: program X0 is 100 mm, where X goes 5 um too far
+  EXPECT_EQ(siemens("G71 G90 D0\nG0 X0 Y0 Z0\nTRANS X100\nG0 X0\nATRANS X=100\nG0 X0\nTRANS\nG0 X0\nM30\n"),
+            "G71 G90 D0\nG0 X0 Y0 Z0\nTRANS X100\nG0 X-0.0050\nATRANS X=100\nG0 X-0.0100\nTRANS\nG0 X0\nM30\n");
+  // turned by 90 degrees about X100: program Y is machine -X from there
+  EXPECT_EQ(siemens("G71 G90 D0\nG0 X0 Y0 Z0\nTRANS X100\nAROT RPL=90\nG0 X0 Y-100\nROT\nG0 X0 Y0\nM30\n"),
+            "G71 G90 D0\nG0 X0 Y0 Z0\nTRANS X100\nAROT RPL=90\nG0 X0 Y-99.9900\nROT\nG0 X0 Y0\nM30\n");
+  EXPECT_EQ(siemens("G71 G90 D0\nG505 G0 X0 Y0 Z0\nM30\n"), "G71 G90 D0\nG505 G0 X-0.0050 Y0 Z0\nM30\n");
+}
+
+TEST(Siemens, ToolsHaveNamesAndEdges) {
+  // the table's Z offset of MILL 10 is 80 mm: EXZ would show it, so the errors are of Z here
+  const Machine leaning = three_axes({{"EXZ", poly(2, {0, 1e-4})}});
+  const std::string program = "G71 G90\nT=\"MILL 10\"\nM6\nD1\nG0 X0 Y0 Z0\nM30\n";
+  EXPECT_THAT(rewrite(leaning, program, siemens_job()).text, HasSubstr("G0 X-0.0080 Y0 Z0"));
+  EXPECT_TRUE(rewrite(leaning, "G71 G90\nT2 M6\nG0 X0 Y0 Z0\nM30\n", siemens_job()).has("E-TOOL")) << "D is missing";
+  EXPECT_TRUE(rewrite(leaning, "G71 G90\nT2 M6\nD2\nM30\n", siemens_job()).has("E-TOOL"));
+  EXPECT_TRUE(rewrite(leaning, "G71 G90\nT2 M6\nD1\nG18 G0 X0 Y0 Z0\nM30\n", siemens_job()).has("E-TOOL")) << "another axis";
+}
+
+TEST(Siemens, MachineCoordinatesNeedNoOffset) {
+  EXPECT_EQ(siemens("G71 G90 T2 M6\nD1\nG0 X100 Y0 Z0\nG0 SUPA Z200 D0\nM30\n"), "G71 G90 T2 M6\nD1\nG0 X99.9950 Y0 Z0\nG0 SUPA Z200 D0\nM30\n");
+  EXPECT_TRUE(rewrite(scaled_machine(), "G71 G90 T2 M6\nD1\nG0 X100 Y0 Z0\nSUPA Z200\nM30\n", siemens_job()).has("E-G53"));
+}
+
+TEST(Siemens, ADwellInFIsNoFeed) {
+  RewriteJob job = siemens_job();
+  const auto result = rewrite(scaled_machine(), "G71 G90 D0\nG0 X0 Y0 Z0\nG1 X10 F500\nG4 F2\nX20\nM30\n", job);
+  EXPECT_TRUE(result.report.complete) << result.findings();
+}
+
+TEST(Subprograms, CalledOnceAreRewrittenWhereTheyStand) {
+  const std::string start = "%\nO1 (MAIN)\nG21 G90 G0 X100. Y0. Z0.\n", end = "M30\nO2 (SUB)\n";
+  // the subprogram begins at X100 in G91, and what follows the call begins where it ended
+  const std::string program = start + "M98 P2\nG90 G1 X100. F100\n" + end + "G91 G1 X100. F100\nY1.\nM99\n(behind)\n%\n";
+  const auto result = rewrite(scaled_machine(), program, job_for("fanuc"));
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, "%\nO1 (MAIN)\nG21 G90 G0 X99.995 Y0. Z0.\nM98 P2\nG90 G1 X99.995 F100\n" + end + "G91 G1 X99.995 F100\nY1.\nM99\n(behind)\n%\n");
+  EXPECT_EQ(result.report.lines_out, result.report.lines_in);
+}
+
+TEST(Subprograms, OneMayCallAnother) {
+  const auto result = rewrite(scaled_machine(), "G21 G90 G0 X0. Y0. Z0.\nM98 P3\nM30\nO2\nG0 X200.\nM99\nO3\nG0 X100.\nM98 P2\nM99\n", job_for("fanuc"));
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_EQ(result.text, "G21 G90 G0 X0. Y0. Z0.\nM98 P3\nM30\nO2\nG0 X199.990\nM99\nO3\nG0 X99.995\nM98 P2\nM99\n");
+}
+
+TEST(Subprograms, WhatIsNotSureIsRefused) {
+  const std::string start = "G21 G90 G0 X0. Y0. Z0.\n", sub = "O2\nX1.\nM99\n";
+  const auto code_of = [&](const std::string& rest) {
+    const auto result = rewrite(scaled_machine(), start + rest, job_for("fanuc"));
+    return result.report.complete ? std::string() : result.report.diagnostics.front().code;
+  };
+  EXPECT_EQ(code_of("M98 P2\nM30\n" + sub), "");
+  for (const char* rest : {"M98 P2\nM98 P2\nM30\nO2\nX1.\nM99\n", "M98 P2 L2\nM30\nO2\nX1.\nM99\n", "M98 P20002\nM30\nO2\nX1.\nM99\n", "M98 P3\nM30\nO2\nX1.\nM99\n",
+                           "M98 P2 X1.\nM30\nO2\nX1.\nM99\n", "M98 P2\nM30\nO2\nX1.\n", "M98 P2\nM30\nO2\nX1.\nM30\nM99\n", "M98 P2\nM30\nO2 X1.\nM99\n", "M99\n",
+                           "M98 P2\nM30\nO2\nM99\nO2\nM99\n", "M98 P2\nM30\nO2\nM98 P2\nM99\n", "M98 P2\nM30\nO2\nM99 P10\n", "M98 P2 M30\nO2\nX1.\nM99\n"})
+    EXPECT_THAT(code_of(rest), ::testing::AnyOf("E-OWORD", "E-WORD", "E-AUX")) << rest;
+}
 
 }  // namespace
 }  // namespace abbe::testing

@@ -3,6 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <span>
 
 #include "abbe/compensate/rewriter.h"
 
@@ -49,15 +51,19 @@ RewriteReport rewrite_program(const Plan& plan, const RewriteJob& job, SpoolFile
   std::string text;
   text.reserve(2 * kBlock);
   bool written = true;
-  while (const auto line = reader.next()) {
-    rewriter.line(*line, reader.line_number(), reader.too_long(), text);
+  std::array<std::string_view, Rewriter::kRows> lines;
+  std::uint64_t looked = 0;
+  while (const std::size_t rows = reader.next(lines)) {
+    rewriter.lines(std::span(lines).first(rows), reader.line_number() - rows + 1, reader.too_long(), text);
     if (text.size() >= kBlock) {
       // after a refusal nothing will be published: read on for the other findings only
       if (!rewriter.findings().refused()) written = out.write(text);
       text.clear();
       if (!written) break;
     }
-    if (progress && reader.line_number() % kLinesPerLook == 0 && !progress(reader.bytes_read(), report.identity.size)) {
+    if (!progress || reader.line_number() - looked < kLinesPerLook) continue;
+    looked = reader.line_number();
+    if (!progress(reader.bytes_read(), report.identity.size)) {
       report.stopped = true;
       return report;
     }

@@ -4,17 +4,13 @@
 
 #include <gtest/gtest.h>
 
-#include <unistd.h>
-
-#include <cstdio>
-#include <fstream>
-#include <sstream>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
 #include "abbe/compensate/rewrite.h"
+#include "abbe/core/test_files.h"
 #include "abbe/machine/machine.h"
 
 namespace abbe::testing {
@@ -74,22 +70,15 @@ inline RewriteJob plain_job() {
 }
 
 inline Rewritten rewrite(const Machine& machine, const std::string& program, RewriteJob job = plain_job()) {
-  const std::string stem = ::testing::TempDir() + "abbe_rewrite_" + std::to_string(::getpid());
-  job.path = stem + ".ngc";
+  const TestFile original(program);
+  job.path = original.path();
   job.name = "part.ngc";
-  std::ofstream(job.path, std::ios::binary) << program;
-  auto spool = SpoolFile::create(stem + ".out");
+  auto spool = SpoolFile::create("-");
   auto plan = make_plan(machine, {});
   Rewritten result;
   auto& file = std::get<SpoolFile>(spool);
   result.report = rewrite_program(std::get<Plan>(plan), job, file);
-  if (file.flush()) {
-    std::ifstream in(file.temporary_path(), std::ios::binary);
-    std::stringstream text;
-    text << in.rdbuf();
-    result.text = text.str();
-  }
-  std::remove(job.path.c_str());
+  if (file.flush()) result.text = slurp(file.temporary_path());
   return result;
 }
 

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "abbe/core/number.h"
+#include "abbe/program/named_block.h"
 
 namespace abbe {
 namespace {
@@ -40,18 +41,18 @@ Rewriter::Rewriter(const Plan& plan, const AddressedAxes& axes, const RewriteJob
 }
 
 void Rewriter::refuse(const Word& word, const char* code, std::string message, const char* why, const char* fix) {
-  findings_.add(Severity::error, code, number_, block_.text, word.begin, static_cast<std::size_t>(word.end - word.begin),
+  findings_.add(Severity::error, code, number_, block_->text, word.begin, static_cast<std::size_t>(word.end - word.begin),
                 std::move(message), why, fix);
 }
 
 void Rewriter::refuse_block(const char* code, std::string message, const char* why, const char* fix) {
-  const std::size_t begin = block_.count > 0 ? block_.words[0].begin : 0;
-  findings_.add(Severity::error, code, number_, block_.text, begin, std::max<std::size_t>(1, block_.words_end - begin),
+  const std::size_t begin = block_->count > 0 ? block_->words[0].begin : 0;
+  findings_.add(Severity::error, code, number_, block_->text, begin, std::max<std::size_t>(1, block_->words_end - begin),
                 std::move(message), why, fix);
 }
 
 void Rewriter::warn(const char* code, std::string message, const char* why, const char* fix) {
-  findings_.add(Severity::warning, code, number_, block_.text, 0, 1, std::move(message), why, fix);
+  findings_.add(Severity::warning, code, number_, block_->text, 0, 1, std::move(message), why, fix);
 }
 
 int Rewriter::decimals_of(const Word* word) const {
@@ -87,15 +88,15 @@ void Rewriter::check_length(std::size_t bytes) {
 
 void Rewriter::add_block(std::string_view words, std::string_view eol, std::string& tail) {
   const std::size_t begin = tail.size();
-  tail += block_.slash_text();
-  tail += words.substr(block_.slash ? 0 : 1);
+  tail += block_->slash_text();
+  tail += words.substr(block_->slash ? 0 : 1);
   check_length(tail.size() - begin);
   tail += eol;
   ++report_.lines_out;
 }
 
 void Rewriter::pass(std::string& out) {
-  out += block_.text;
+  out += block_->text;
   out += eol_;
   ++report_.lines_out;
 }
@@ -111,46 +112,89 @@ void Rewriter::write_header(std::string& out) {
 }
 
 // A program number may begin with ':' instead of O: it is read as one, and copied as it stands.
-std::optional<BlockError> Rewriter::read_line(std::string_view bytes) {
+std::optional<BlockError> Rewriter::read_line(std::string_view bytes, Block& block) {
+  if (profile_.text.names) return read_named_block(bytes, profile_, block);
   const bool numbered_skip = profile_.text.skip == Profile::Skip::numbered;
-  if (!profile_.text.colon || any_block_) return read_block(bytes, block_, numbered_skip);
+  if (!profile_.text.colon || any_block_) return read_block(bytes, block, numbered_skip);
   const std::size_t first = bytes.find_first_not_of(" \t");
-  if (first == std::string_view::npos || bytes[first] != ':') return read_block(bytes, block_, numbered_skip);
+  if (first == std::string_view::npos || bytes[first] != ':') return read_block(bytes, block, numbered_skip);
   std::string spelled(bytes);
   spelled[first] = 'O';
-  auto error = read_block(spelled, block_, numbered_skip);
-  block_.text = without_eol(bytes);
-  block_.eol = bytes.substr(block_.text.size());
+  auto error = read_block(spelled, block, numbered_skip);
+  block.text = without_eol(bytes);
+  block.eol = bytes.substr(block.text.size());
   return error;
 }
 
-void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long, std::string& out) {
-  number_ = number;
-  // A tape leader of NUL bytes is not part of the first line's text.
-  if (number == 1) {
-    const std::size_t leader = std::min(bytes.find_first_not_of('\0'), bytes.size());
-    out += bytes.substr(0, leader);
-    bytes.remove_prefix(leader);
+void Rewriter::lines(std::span<const std::string_view> texts, std::uint64_t number, bool too_long, std::string& out) {
+  // What a colon means depends on whether there was a block before.
+  const std::size_t most = profile_.text.colon && !any_block_ ? 1 : kRows;
+  if (texts.size() > most) {
+    lines(texts.first(most), number, false, out);
+    return lines(texts.subspan(most), number + most, too_long, out);
   }
-  const auto error = read_line(bytes);
-  eol_ = block_.eol;
+  std::array<std::optional<BlockError>, kRows> errors;
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    std::string_view bytes = texts[i];
+    // A tape leader of NUL bytes is not part of the first line's text.
+    if (number + i == 1) {
+      const std::size_t leader = std::min(bytes.find_first_not_of('\0'), bytes.size());
+      out += bytes.substr(0, leader);
+      bytes.remove_prefix(leader);
+    }
+    errors[i] = read_line(bytes, blocks_[i]);
+  }
+  look_ahead(texts.size());
+  for (std::size_t i = 0; i < texts.size(); ++i) {
+    number_ = number + i;
+    block_ = &blocks_[i];
+    line(errors[i], too_long, out);
+  }
+}
+
+// Where the axes will be sent if nothing but these words tells: what else the blocks say may lead elsewhere.
+void Rewriter::look_ahead(std::size_t rows) {
+  if (rows < 2 || (known_ & 7u) != 7u || !in_.frames.known()) return;
+  std::array<Vec3, kRows> places;
+  std::size_t count = 0;
+  Vec3 p = in_.p(), m = in_.m;
+  for (std::size_t i = 0; i < rows; ++i) {
+    unsigned named = 0;
+    for (int w = 0; w < blocks_[i].count; ++w) {
+      const Word& word = blocks_[i].words[static_cast<std::size_t>(w)];
+      const int k = word.letter - 'X';
+      if (k < 0 || k > 2) continue;
+      p[k] = word.value * modal_.unit() + (modal_.incremental ? p[k] : 0.0);
+      named |= 1u << k;
+    }
+    if (named == 0) continue;
+    const Vec3 there = in_.frames.to_machine(p);
+    for (int k = 0; k < 3; ++k)
+      if ((named & (1u << k)) != 0) m[k] = there[k];
+    places[count++] = m;
+  }
+  field_.look_ahead(std::span(places).first(count), approach_);
+}
+
+void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::string& out) {
+  eol_ = block_->eol;
   if (file_eol_.empty()) file_eol_ = std::string(eol_);
-  if (ended_) return pass(out);  // the control does not read on
+  if (ended_) return pass_behind_end(out);  // the control does not read on
   if (too_long || error) {
     findings_.add(error.value_or(BlockError{"E-LINELEN", kMaxBlockBytes, 1, "the line is longer than 64 KiB",
                                             "the control refuses such lines", "break the block into several"}),
-                  number, block_.text);
+                  number_, block_->text);
     return;
   }
-  if (number <= kMarkLines && block_.text.find(kMark) != std::string_view::npos) {
+  if (number_ <= kMarkLines && block_->text.find(kMark) != std::string_view::npos) {
     report_.compensated_input = true;
-    findings_.add(Severity::error, "E-COMPENSATED", number, block_.text, block_.text.find(kMark), kMark.size(),
+    findings_.add(Severity::error, "E-COMPENSATED", number_, block_->text, block_->text.find(kMark), kMark.size(),
                   "this program has been compensated already", "compensating twice doubles the correction",
                   "use the original program");
   }
-  const bool plain_text = block_.text.size() <= profile_.text.block_bytes && !block_.has_semicolon && !block_.percent && !block_.slash;
+  const bool plain_text = block_->text.size() <= profile_.text.block_bytes && !block_->has_semicolon && !block_->percent && !block_->slash;
   if (!plain_text && !read_text_rules()) return;
-  if (block_.percent) {
+  if (block_->percent) {
     if (!percent_seen_ && !any_block_) {
       percent_first_ = percent_seen_ = true;
     } else if (percent_first_) {
@@ -160,15 +204,15 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
     }
     return pass(out);
   }
-  const bool program_number = profile_.text.program_number && !any_block_ && block_.count == 1 && block_.words[0].letter == 'O' && !block_.slash;
-  if (!header_written_ && block_.count > 0 && !program_number) write_header(out);
-  if (block_.count > 0) any_block_ = true;
+  const bool program_number = profile_.text.program_number && !any_block_ && block_->count == 1 && block_->words[0].letter == 'O' && !block_->slash;
+  if (!header_written_ && block_->count > 0 && !program_number) write_header(out);
+  if (block_->count > 0) any_block_ = true;
   if (program_number) {
     pass(out);
     return write_header(out);
   }
-  if (block_.count == 0) return pass(out);
-  if (block_.slash && profile_.text.skip != Profile::Skip::ignored) {
+  if (block_->count == 0) return pass(out);
+  if (block_->slash && profile_.text.skip != Profile::Skip::ignored) {
     using BlockDelete = ControlSetup::BlockDelete;
     if (job_.setup.block_delete == BlockDelete::on) return pass(out);
     if (job_.setup.block_delete == BlockDelete::unknown) {
@@ -177,17 +221,18 @@ void Rewriter::line(std::string_view bytes, std::uint64_t number, bool too_long,
       return;
     }
   }
-  if (!read_instruction(profile_, block_, modal_, number, findings_, instruction_)) return;
+  if (!read_instruction(profile_, *block_, modal_, number_, findings_, instruction_)) return;
   if (instruction_.turns_axes && !turn_words_allowed()) return;
   execute(out);
+  if (instruction_.flow != 0) [[unlikely]] follow_flow();
 }
 
 void Rewriter::execute(std::string& out) {
-  apply_modal(block_, instruction_, modal_);
+  apply_modal(*block_, instruction_, modal_);
   if (profile_.numbers.integer_words != Profile::IntegerWords::units || !profile_.numbers.finer) {
     if (!settle_numbers()) return;
   }
-  edit_.reset(block_);
+  edit_.reset(*block_);
   if (number_ == job_.trace_line) move_text_ = "no motion: copied";
   const Vec3 start = in_.m;
   const std::size_t out_begin = out.size();
@@ -229,7 +274,7 @@ void Rewriter::execute(std::string& out) {
     trace.end = in_.m;
     trace.correction = out_.m - in_.m;
     trace.decision = move_text_;
-    trace.before = std::string(block_.text);
+    trace.before = std::string(block_->text);
     trace.after = out.substr(out_begin);
     report_.trace = std::move(trace);
   }

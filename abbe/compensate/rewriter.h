@@ -2,8 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
+#include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,8 +32,11 @@ class Rewriter {
  public:
   Rewriter(const Plan& plan, const AddressedAxes& axes, const RewriteJob& job, RewriteReport& report);
 
-  /// One line with its end-of-line bytes. Output lines are appended to `out`.
-  void line(std::string_view bytes, std::uint64_t number, bool too_long, std::string& out);
+  /// Most lines of one call of lines().
+  static constexpr std::size_t kRows = 8;
+  /// The next lines, with their end-of-line bytes; the first one has this number. Output lines are appended to
+  /// `out`. A line that was cut (`too_long`) comes alone.
+  void lines(std::span<const std::string_view> texts, std::uint64_t number, bool too_long, std::string& out);
   /// After the last line.
   void finish(std::string& out);
   [[nodiscard]] ProgramFindings& findings() { return findings_; }
@@ -62,21 +68,30 @@ class Rewriter {
   };
 
   // rewriter.cpp: lines and blocks
+  void line(const std::optional<BlockError>& error, bool too_long, std::string& out);
   void execute(std::string& out);
-  std::optional<BlockError> read_line(std::string_view bytes);
+  std::optional<BlockError> read_line(std::string_view bytes, Block& block);
+  void look_ahead(std::size_t rows);
   bool read_text_rules();
   bool settle_numbers();
   bool may_move();
   [[nodiscard]] bool smooths_more_than_tolerance() const;
   void pass(std::string& out);
   void write_header(std::string& out);
-  void refuse(const Word& word, const char* code, std::string message, const char* why, const char* fix);
-  void refuse_block(const char* code, std::string message, const char* why, const char* fix);
-  void warn(const char* code, std::string message, const char* why, const char* fix);
+  [[gnu::cold]] void refuse(const Word& word, const char* code, std::string message, const char* why, const char* fix);
+  [[gnu::cold]] void refuse_block(const char* code, std::string message, const char* why, const char* fix);
+  [[gnu::cold]] void warn(const char* code, std::string message, const char* why, const char* fix);
   void end_line(std::string& out, std::size_t begin);
   void check_length(std::size_t bytes);
   /// A block of its own behind the one that is split: " X1.5 Y2.", with the block delete of the original.
   void add_block(std::string_view words, std::string_view eol, std::string& tail);
+
+  // rewriter_subprogram.cpp
+  void follow_flow();
+  bool only_changes_flow(std::string_view words);
+  std::optional<int> called_number();
+  void run_subprogram();
+  void pass_behind_end(std::string& out);
 
   // rewriter_setting.cpp: tools and frames
   bool settings();
@@ -84,6 +99,9 @@ class Rewriter {
   bool tool_length();
   bool zero_group(std::string& out, bool& done);
   bool set_g92();
+  bool make_frame();
+  bool choose_work_offset();
+  [[nodiscard]] std::optional<int> tool_number(const Word& word) const;
   bool turn_frame();
   bool set_work_offset();
   void refresh_datum();
@@ -118,7 +136,7 @@ class Rewriter {
   void write_pieces(const Move& move, const std::vector<Piece>& pieces, std::string& out);
 
   // rewriter_turning.cpp: rotary axes and tool centre point control
-  [[nodiscard]] const Word* turn_word_of(int axis) const { return instruction_.find(block_, "ABC"[axis]); }
+  [[nodiscard]] const Word* turn_word_of(int axis) const { return instruction_.find(*block_, "ABC"[axis]); }
   [[nodiscard]] Turning turning_of(int axis) const;
   [[nodiscard]] int turn_decimals(int axis) const;
   bool turn_words_allowed();
@@ -192,7 +210,7 @@ class Rewriter {
   [[nodiscard]] int decimals_of(const Word* word) const;
   [[nodiscard]] double digit_room() const;
   [[nodiscard]] double half_digit(int decimals) const;  ///< program units
-  [[nodiscard]] const Word* axis_word(int axis) const { return instruction_.find(block_, "XYZ"[axis]); }
+  [[nodiscard]] const Word* axis_word(int axis) const { return instruction_.find(*block_, "XYZ"[axis]); }
 
   const RewriteJob& job_;
   const std::shared_ptr<const Profile> shared_profile_;
@@ -205,7 +223,8 @@ class Rewriter {
   double short_enough_ = 0;       ///< mm: a move up to this length is not looked into
   bool angular_;
 
-  Block block_;
+  std::array<Block, kRows> blocks_;  ///< of the lines read last
+  Block* block_ = blocks_.data();    ///< the one that is executed
   Instruction instruction_;
   ModalState modal_;
   std::uint64_t number_ = 0;
@@ -243,9 +262,22 @@ class Rewriter {
     bool incremental = false;     ///< in which mode they were written
   } cycle_;
 
+  /// A subprogram that was run: its lines first .. end - 1, rewritten.
+  struct Called {
+    std::uint64_t first = 0, end = 0;
+    std::string text;
+  };
+  std::map<std::uint64_t, Called> run_;  ///< by first line
+  std::set<int> called_;                 ///< numbers
+  std::size_t depth_ = 0;                ///< of calls now running
+  std::uint64_t call_line_ = 0;          ///< of the one in the main program
+  bool returned_ = false;                ///< the running subprogram came to its M99
+  std::uint64_t behind_ = 0;             ///< lines before this one are already written
+
   std::vector<MoveSample> samples_;
   std::vector<ArcTarget> targets_;
   std::vector<Stretch> stretches_;
+  std::vector<Piece> pieces_;
   std::string move_text_;         ///< decision in words, for the trace
 };
 

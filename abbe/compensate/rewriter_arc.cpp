@@ -37,8 +37,8 @@ constexpr double kCoarsestDigit = 0.5 * um;
 std::optional<Arc> Rewriter::nominal_arc(const Vec3& p0, const Vec3& p1) {
   const int a = plane_axes(modal_.plane)[0], b = plane_axes(modal_.plane)[1];
   const bool clockwise = instruction_.motion == 20;
-  const Word* r = instruction_.find(block_, 'R');
-  const std::array<const Word*, 3> centre_word = {instruction_.find(block_, 'I'), instruction_.find(block_, 'J'), instruction_.find(block_, 'K')};
+  const Word* r = instruction_.find(*block_, 'R');
+  const std::array<const Word*, 3> centre_word = {instruction_.find(*block_, 'I'), instruction_.find(*block_, 'J'), instruction_.find(*block_, 'K')};
   const Word* wa = centre_word[static_cast<std::size_t>(a)];
   const Word* wb = centre_word[static_cast<std::size_t>(b)];
   const double unit = modal_.unit();
@@ -52,7 +52,7 @@ std::optional<Arc> Rewriter::nominal_arc(const Vec3& p0, const Vec3& p1) {
     }
   }
   int turns = 1;
-  if (const Word* p = instruction_.find(block_, 'P')) {
+  if (const Word* p = instruction_.find(*block_, 'P')) {
     if (p->value < 1 || p->value != std::floor(p->value) || p->value > 1000) return bad("P of an arc is a number of turns, 1 to 1000", "the path is not defined", "correct P");
     turns = static_cast<int>(p->value);
   }
@@ -93,7 +93,7 @@ Vec3 Rewriter::rounded_end(const Vec3& want, const Vec3& p_out, bool first) cons
 
 // The value of a centre word; a G91.1 word that is absent is zero.
 Rewriter::Value Rewriter::centre_value(int k, double centre, const Vec3& start, bool first, double& base) const {
-  const Word* named = instruction_.find(block_, "IJK"[k]);
+  const Word* named = instruction_.find(*block_, "IJK"[k]);
   const Word* word = first ? named : nullptr;
   base = modal_.absolute_centre ? 0.0 : start[k];
   const double wanted = (centre - base) / modal_.unit();
@@ -136,7 +136,7 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
   if (closed != same_place(start, end)) return false;
   const bool clockwise = nominal.sweep < 0;
   const int turns = whole ? std::max(1, static_cast<int>(std::ceil(std::abs(nominal.sweep) / kTurn - 1e-9))) : 1;
-  const Word* r = instruction_.find(block_, 'R');
+  const Word* r = instruction_.find(*block_, 'R');
   const auto holds = [&](const Centre& centre) {
     const auto arc = arc_about(modal_.plane, start, end, centre.a, centre.b, clockwise, turns);
     if (!arc || std::abs(arc->sweep - part.sweep) > kSweepSlack) return false;
@@ -161,7 +161,7 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
   const auto as_written = [&](int k, double centre) {
     double base = 0;
     const Value value = centre_value(k, centre, start, piece.first, base);
-    const int decimals = decimals_of(instruction_.find(block_, "IJK"[k]));
+    const int decimals = decimals_of(instruction_.find(*block_, "IJK"[k]));
     return base + (value.written ? rounded(value.number, decimals) : value.number) * modal_.unit();
   };
   piece.centre = {as_written(a, fitted.a), as_written(b, fitted.b)};
@@ -171,10 +171,10 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
 void Rewriter::command_centre(const ArcPiece& piece, const Vec3& start, bool first, std::string* extra) {
   const int a = plane_axes(modal_.plane)[0], b = plane_axes(modal_.plane)[1];
   if (piece.keeps_radius) return;
-  if (const Word* r = instruction_.find(block_, 'R'); r && first) edit_.remove(*r);
+  if (const Word* r = instruction_.find(*block_, 'R'); r && first) edit_.remove(*r);
   for (const int k : {a, b}) {
     double base = 0;
-    const Word* named = instruction_.find(block_, "IJK"[k]);
+    const Word* named = instruction_.find(*block_, "IJK"[k]);
     const Value value = centre_value(k, k == a ? piece.centre.a : piece.centre.b, start, first, base);
     if (value.written) put("IJK"[k], first ? named : nullptr, value.number, decimals_of(named), first, extra);
   }
@@ -244,8 +244,8 @@ void Rewriter::take_up_on_arc(const Vec3& want, bool first, Vec3& p_out, std::st
     return command(want, false, p_out, extra);
   }
   const Word* code = nullptr;
-  for (int i = 0; i < block_.count; ++i) {
-    const Word& word = block_.words[static_cast<std::size_t>(i)];
+  for (int i = 0; i < block_->count; ++i) {
+    const Word& word = block_->words[static_cast<std::size_t>(i)];
     if (word.letter == 'G' && (word.value == 2 || word.value == 3)) code = &word;
     if (std::string_view("IJKRP").find(word.letter) != std::string_view::npos) edit_.remove(word);
   }
@@ -349,7 +349,7 @@ bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
       put_feed_share(piece.s1 - piece.s0, first, &extra);
       if (first && !last) {
         stops_to_last(true, nullptr);
-        if (const Word* p = instruction_.find(block_, 'P'); p && turns > 1) edit_.remove(*p);
+        if (const Word* p = instruction_.find(*block_, 'P'); p && turns > 1) edit_.remove(*p);
       }
       if (last && !first) stops_to_last(false, &extra);
       if (!first) {

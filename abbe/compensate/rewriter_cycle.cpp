@@ -50,7 +50,7 @@ bool Rewriter::read_holes(Holes& holes) {
   holes.n = plane_axes(modal_.plane)[2];
   const GCode code = instruction_.motion;
   const double unit = modal_.unit();
-  const Word* wl = instruction_.find(block_, profile_.cycles.repeats);
+  const Word* wl = instruction_.find(*block_, profile_.cycles.repeats);
   const auto bad = [&](const char* what, const char* why, const char* fix) {
     refuse_block("E-CYCLE", what, why, fix);
     return false;
@@ -111,7 +111,7 @@ bool Rewriter::read_holes(Holes& holes) {
 
 // Takes R and the bottom of the block into the sequence, as numbers or as the levels they make.
 bool Rewriter::keep_depth(int n) {
-  const Word* wr = instruction_.find(block_, 'R');
+  const Word* wr = instruction_.find(*block_, 'R');
   const Word* wz = axis_word(n);
   const bool levels = keeps_levels();
   const bool same_mode = profile_.cycles.sticky == Profile::Sticky::same_mode;
@@ -177,7 +177,7 @@ double Rewriter::write_holes(const Holes& holes, const Vec3& shift, std::string&
   const Vec3 from = p_out;
   command(holes.first + shift, true, p_out, nullptr, 1u << holes.n);
   // R, then the bottom measured from R where increments are programmed
-  const Word* wr = instruction_.find(block_, 'R');
+  const Word* wr = instruction_.find(*block_, 'R');
   const Word* wz = axis_word(holes.n);
   const double r_base = modal_.incremental ? out_.cycle_level : 0.0;
   const bool levels = keeps_levels();

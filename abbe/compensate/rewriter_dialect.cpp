@@ -36,16 +36,16 @@ int written_decimals(const Block& block, const Word& word) {
 // False: the line is not written as this control expects it.
 bool Rewriter::read_text_rules() {
   const Profile::Text& rules = profile_.text;
-  if (block_.count > 0 && block_.text.size() > rules.block_bytes) {
-    refuse_block("E-LINELEN", fmt::format("the line has {} bytes, {} is the limit", block_.text.size(), rules.block_bytes),
+  if (block_->count > 0 && block_->text.size() > rules.block_bytes) {
+    refuse_block("E-LINELEN", fmt::format("the line has {} bytes, {} is the limit", block_->text.size(), rules.block_bytes),
                  "the control refuses longer lines", "break the block into two");
     return false;
   }
-  const char* strange = block_.has_semicolon && !rules.semicolon ? "a comment that begins with ';'"
-                        : block_.percent && !rules.percent       ? "'%'"
-                        : block_.slash && rules.skip == Profile::Skip::none ? "'/'" : nullptr;
+  const char* strange = block_->has_semicolon && !rules.semicolon ? "a comment that begins with ';'"
+                        : block_->percent && !rules.percent       ? "'%'"
+                        : block_->slash && rules.skip == Profile::Skip::none ? "'/'" : nullptr;
   if (strange != nullptr) {
-    findings_.add(Severity::error, "E-CHAR", number_, block_.text, 0, 1, fmt::format("{}: not part of the {} dialect", strange, profile_.title),
+    findings_.add(Severity::error, "E-CHAR", number_, block_->text, 0, 1, fmt::format("{}: not part of the {} dialect", strange, profile_.title),
                   "the control stops there, or reads it as something else", "remove it, or name the control the program is for");
   }
   return strange == nullptr;
@@ -57,16 +57,16 @@ bool Rewriter::settle_numbers() {
   const Profile::Numbers& rules = profile_.numbers;
   const int decimals = modal_.inch ? rules.decimals_inch : rules.decimals_mm;
   bool good = true;
-  for (int i = 0; i < block_.count; ++i) {
-    Word& word = block_.words[static_cast<std::size_t>(i)];
+  for (int i = 0; i < block_->count; ++i) {
+    Word& word = block_->words[static_cast<std::size_t>(i)];
     const bool time = word.letter == 'F' && modal_.feed_mode == 930;
     const bool cycle_k = word.letter == 'K' && is_cycle(instruction_.motion);
     if ((kDimensions & letter_set({&word.letter, 1})) == 0 && !time) continue;
     if (cycle_k || word.value == 0) continue;
     const bool angle = (word.letter == 'R' && instruction_.rotation == 1) || (word.letter >= 'A' && word.letter <= 'C');
-    if (!has_point(block_, word) && rules.integer_words != IntegerWords::units) {
+    if (!has_point(*block_, word) && rules.integer_words != IntegerWords::units) {
       if (rules.integer_words == IntegerWords::ask || time) {
-        refuse(word, "E-DECIMAL", fmt::format("{}: a number without a decimal point", block_.text.substr(word.begin, static_cast<std::size_t>(word.end - word.begin))),
+        refuse(word, "E-DECIMAL", fmt::format("{}: a number without a decimal point", block_->text.substr(word.begin, static_cast<std::size_t>(word.end - word.begin))),
                "this control counts it in units or in its smallest increment, as a parameter says: a factor of a thousand",
                "say which: --integer-words units or increments; or post with points");
         good = false;
@@ -75,8 +75,8 @@ bool Rewriter::settle_numbers() {
       word.value *= std::pow(10.0, angle ? -rules.decimals_degree : -decimals);
     }
     if (rules.finer || time) continue;
-    if (written_decimals(block_, word) > (angle ? rules.decimals_degree : decimals) || (rules.digits > 0 && digits_of(block_, word) > rules.digits)) {
-      refuse(word, "E-DIGITS", fmt::format("{}: more digits than the control resolves", block_.text.substr(word.begin, static_cast<std::size_t>(word.end - word.begin))),
+    if (written_decimals(*block_, word) > (angle ? rules.decimals_degree : decimals) || (rules.digits > 0 && digits_of(*block_, word) > rules.digits)) {
+      refuse(word, "E-DIGITS", fmt::format("{}: more digits than the control resolves", block_->text.substr(word.begin, static_cast<std::size_t>(word.end - word.begin))),
              "it drops them, rounds or stops", "post with its decimals, or set numbers.decimals in a profile of your own");
       good = false;
     }
@@ -89,7 +89,7 @@ bool Rewriter::smooths_more_than_tolerance() const {
   if (instruction_.smooths) return true;
   if (!instruction_.path_control) return false;
   for (const char letter : {'P', 'Q'}) {
-    const Word* word = instruction_.find(block_, letter);
+    const Word* word = instruction_.find(*block_, letter);
     if (word != nullptr && word->value * modal_.unit() > job_.tolerance) return true;
   }
   return false;
@@ -104,6 +104,12 @@ bool Rewriter::may_move() {
                  "what the control does depends on what ran before",
                  units ? "write G21 or G20 at the top, or give --units" : "write G90 at the top, or state start.distance in a profile of your own");
     modal_.units_stated = modal_.distance_stated = modal_.stated = true;  // said once
+    return false;
+  }
+  if (in_work && !modal_.edge_stated) {
+    refuse_block("E-TOOL", "a motion before D says which tool offset is in force", "after a tool change and at the start it depends on the control's settings", "write D1 with the tool, or D0");
+    modal_.edge_stated = true;  // said once
+    modal_.stated = modal_.units_stated && modal_.distance_stated;
     return false;
   }
   if (instruction_.tool_change && !profile_.tools.change_first) {

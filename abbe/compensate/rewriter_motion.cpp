@@ -32,6 +32,10 @@ bool Rewriter::read_move(Move& move) {
       refuse_block("E-G53", "G53 in G91", "controls differ on what incremental machine coordinates mean", "write G90 before");
       return false;
     }
+    if (profile_.tools.in_machine_coordinates && in_.frames.tool_offset() != Vec3::Zero()) {
+      refuse_block("E-G53", "machine coordinates while a tool offset is in force", "on this control the tip goes there, not the axes", "write D0 in the block");
+      return false;
+    }
     for (int k = 0; k < 3; ++k) {
       if (const Word* word = axis_word(k)) move.m1[k] = word->value * modal_.unit();
     }
@@ -162,7 +166,7 @@ bool Rewriter::feed_allowed(const Move& move) {
                  "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z.. (after M6: --tool-change keeps, if it does not move)");
     return false;
   }
-  if (modal_.feed_mode == 930 && !instruction_.find(block_, 'F')) {
+  if (modal_.feed_mode == 930 && !instruction_.find(*block_, 'F')) {
     refuse_block("E-FEED", "inverse time (G93) without F in the block", "the control refuses it", "add F to the block");
     return false;
   }
@@ -176,14 +180,15 @@ void Rewriter::note_correction(const Vec3& m, const Vec3& c) {
     report_.max_correction[i] = std::abs(c[k]);
     report_.max_line[i] = number_;
   }
-  if (c.norm() > job_.max_correction) {
+  if (!(c.squaredNorm() <= job_.max_correction * job_.max_correction)) {
     refuse_block("E-CORRECTION", fmt::format("the correction is {:.1f} um, {:.0f} um is the limit", c.norm() / um, job_.max_correction / um),
                  "so large a correction is usually a wrong unit, sign or offset", "check the machine file; --max-correction-um raises the limit");
   }
   if (last_correction_) {
-    const double way = (m - in_.m).norm();
-    if (way > kGradientBase) {
-      const double gradient = (c - *last_correction_).norm() / way;
+    const double way = (m - in_.m).squaredNorm(), change = (c - *last_correction_).squaredNorm();
+    const double known = std::min(report_.max_gradient, job_.max_gradient);
+    if (way > kGradientBase * kGradientBase && change > known * known * way) {
+      const double gradient = std::sqrt(change / way);
       report_.max_gradient = std::max(report_.max_gradient, gradient);
       if (gradient > job_.max_gradient) {
         refuse_block("E-GRADIENT", fmt::format("the correction changes by {:.2f} mm per m, {:.2f} is the limit", gradient * 1e3, job_.max_gradient * 1e3),
@@ -255,7 +260,7 @@ bool Rewriter::sample_line(const Move& move, const Vec3& end_correction, const s
 }
 
 void Rewriter::put_feed_share(double fraction, bool first, std::string* extra) {
-  const Word* f = instruction_.find(block_, 'F');
+  const Word* f = instruction_.find(*block_, 'F');
   if (timed_feed_ > 0) {
     put('F', first ? f : nullptr, timed_feed_ / fraction, 4, first, extra);
     return;
@@ -268,14 +273,14 @@ void Rewriter::put_feed_share(double fraction, bool first, std::string* extra) {
 // Codes that act when the motion is done stand on the last piece of a split block.
 void Rewriter::stops_to_last(bool first, std::string* extra) {
   if (!instruction_.after) return;
-  for (int i = 0; i < block_.count; ++i) {
-    const Word& word = block_.words[static_cast<std::size_t>(i)];
+  for (int i = 0; i < block_->count; ++i) {
+    const Word& word = block_->words[static_cast<std::size_t>(i)];
     if (!acts_after_motion(profile_, word)) continue;
     if (first) {
       edit_.remove(word);
     } else {
       *extra += ' ';
-      *extra += block_.text.substr(word.begin, static_cast<std::size_t>(word.end - word.begin));
+      *extra += block_->text.substr(word.begin, static_cast<std::size_t>(word.end - word.begin));
     }
   }
 }
@@ -320,7 +325,6 @@ void Rewriter::command(const Vec3& want, bool first, Vec3& p_out, std::string* e
 // The first piece edits the block, the others add blocks behind it.
 void Rewriter::write_pieces(const Move& move, const std::vector<Piece>& pieces, std::string& out) {
   Vec3 p_out = out_.p();
-  const double length = (move.m1 - move.m0).norm();
   const std::string_view inner_eol = file_eol_.empty() ? std::string_view("\n") : std::string_view(file_eol_);
   std::string extra, tail;
   for (std::size_t j = 0; j < pieces.size(); ++j) {
@@ -328,13 +332,13 @@ void Rewriter::write_pieces(const Move& move, const std::vector<Piece>& pieces, 
     const bool first = j == 0, last = j + 1 == pieces.size();
     extra.clear();
     command(piece.want, first, p_out, &extra);
-    command_turns(move, piece, first, &extra);
-    put_feed_share(piece.s1 - piece.s0, first, &extra);
+    if (move.turns()) command_turns(move, piece, first, &extra);
+    if (timed_feed_ > 0 || modal_.feed_mode == 930) put_feed_share(piece.s1 - piece.s0, first, &extra);
     if (!last && first && timed_feed_ == 0) stops_to_last(true, nullptr);
     if (!first && last && timed_feed_ == 0) stops_to_last(false, &extra);
     if (first || extra.empty()) continue;  // empty: the rounded end is where the last piece went
     add_block(extra, last ? eol_ : inner_eol, tail);
-    const double part = (piece.s1 - piece.s0) * length;
+    const double part = (piece.s1 - piece.s0) * (move.m1 - move.m0).norm();
     if (report_.shortest_split == 0 || part < report_.shortest_split) report_.shortest_split = part;
   }
   const std::size_t begin = out.size();
@@ -382,11 +386,10 @@ bool Rewriter::straight(const Move& move, std::string& out) {
   std::vector<std::size_t> ends;
   bool takes_up = false;
   if (feed) {
-    const double length = way.norm();
-    const bool look = length > short_enough_ || turned;
+    const bool look = way.squaredNorm() > short_enough_ * short_enough_ || turned;
     if (look) {
       if (!sample_line(move, *c1, approach)) return false;
-      takes_up = turned && start_corrected_ && length > shortest_take_up() &&
+      takes_up = turned && start_corrected_ && way.norm() > shortest_take_up() &&
                  (move.m0 + samples_.front().correction - out_.m).norm() > interpolation_;
       if (takes_up && modal_.feed_mode == 930) {
         refuse_block("E-REVERSAL", "lost motion must be taken up in an inverse-time (G93) block", "the extra block would need a time of its own", "post with G94");
@@ -395,16 +398,16 @@ bool Rewriter::straight(const Move& move, std::string& out) {
       ends = split_move(samples_, interpolation_);
     }
   }
-  std::vector<Piece> pieces;
+  pieces_.clear();
   const auto add = [&](double s1, const Vec3& m) {
-    pieces.push_back({pieces.empty() ? 0 : pieces.back().s1, s1, out_.frames.to_program(m), {}, {}});
+    pieces_.push_back({pieces_.empty() ? 0 : pieces_.back().s1, s1, out_.frames.to_program(m), {}, {}});
   };
   if (takes_up) add(0, move.m0 + samples_.front().correction);
   for (std::size_t j = 0; j + 1 < ends.size(); ++j) add(samples_[ends[j]].s, move.m0 + samples_[ends[j]].s * way + samples_[ends[j]].correction);
   add(1, move.m1 + *c1);
-  write_pieces(move, pieces, out);
+  write_pieces(move, pieces_, out);
   if (number_ == job_.trace_line) {
-    move_text_ = pieces.size() > 1 ? fmt::format("feed move in {} pieces: the correction bends along it", pieces.size())
+    move_text_ = pieces_.size() > 1 ? fmt::format("feed move in {} pieces: the correction bends along it", pieces_.size())
                             : (feed ? "feed move: one piece is straight enough" : "rapid: its end is corrected");
   }
   in_.m = move.m1;

@@ -44,21 +44,18 @@ bool Rewriter::change_tool(std::optional<int> number) {
 
 bool Rewriter::settings() {
   const GCode zero = instruction_.zero;
-  if (in_.frames.turned() && ((zero >= 0 && zero != 40) || instruction_.wcs >= 0 || modal_.plane != Plane::xy)) {
+  const bool ends_turn = zero == 521 || zero == 681;
+  if (in_.frames.turned() && ((zero >= 0 && zero != 40 && !ends_turn) || instruction_.wcs >= 0 || modal_.plane != Plane::xy)) {
     refuse_block("E-ROTATION", "a frame, plane or reference position is chosen while a rotation is in force", "controls refuse it, or differ in what it means",
                  "end the rotation before (G69)");
     return false;
   }
-  if (const Word* t = instruction_.find(block_, 'T')) {
-    const auto number = whole(t);
-    if (!number) {
-      refuse(*t, "E-TOOL", "a tool number is a whole number", "the tool in the spindle is not known otherwise", "correct it");
-      return false;
-    }
-    selected_tool_ = number;
+  if (const Word* t = instruction_.find(*block_, 'T')) {
+    selected_tool_ = tool_number(*t);
+    if (!selected_tool_) return false;
   }
   if (instruction_.set_tool) {
-    const auto number = whole(instruction_.find(block_, 'Q'));
+    const auto number = whole(instruction_.find(*block_, 'Q'));
     if (!number) {
       refuse_block("E-TOOL", "M61 without a tool number Q", "the tool in the spindle is not known", "write M61 Q1");
       return false;
@@ -80,20 +77,68 @@ bool Rewriter::settings() {
     if (!change_tool(selected_tool_)) return false;
   }
   if (instruction_.tool_length >= 0 && !tool_length()) return false;
+  if (instruction_.tcp == 1 && !machine_.control.declared) {
+    refuse_block("E-TCP", "tool centre point control is switched on", "the machine file does not say where the control takes its rotary axes to be", "declare [control] in the machine file");
+    return false;
+  }
   if (instruction_.tcp >= 0) switch_tcp(instruction_.tcp == 1);
-  if (instruction_.wcs >= 0) {
-    in_.frames.select(instruction_.wcs);
-    out_.frames.select(instruction_.wcs);
-    datum_dirty_ = true;
+  if (instruction_.wcs >= 0 && !choose_work_offset()) return false;
+  if (profile_.tools.follows_plane && modal_.plane != Plane::xy && in_.frames.tool_offset() != Vec3::Zero()) {
+    refuse_block("E-TOOL", "another plane than G17 with a tool offset", "the control lets the length act along the axis across the plane", "write D0 before, or post in G17");
+    return false;
   }
   return instruction_.rotation < 0 || turn_frame();
+}
+
+// A number, or the name of a tool of the table. Nothing: refused.
+std::optional<int> Rewriter::tool_number(const Word& word) const {
+  const std::string_view said = block_->text.substr(word.number, static_cast<std::size_t>(word.end - word.number));
+  const bool named = said.size() >= 2 && said.front() == '"';
+  return named ? tool_named(job_.setup.tools, said.substr(1, said.size() - 2)) : whole(&word);
+}
+
+bool Rewriter::choose_work_offset() {
+  if (!profile_.offsets.keeps_shift && in_.frames.g92() != Vec3::Zero()) {
+    refuse_block("E-FRAME", "a work offset is chosen while a shift of the program is in force", "whether the shift outlives it is not sure", "end the shift before (TRANS)");
+    return false;
+  }
+  in_.frames.select(instruction_.wcs);
+  out_.frames.select(instruction_.wcs);
+  datum_dirty_ = true;
+  return true;
+}
+
+// TRANS and ROT replace what stands (alone they end it), ATRANS and AROT come on top: first the turn, then the shift.
+bool Rewriter::make_frame() {
+  const GCode zero = instruction_.zero;
+  const bool turns = zero >= 681, anew = zero == 521 || zero == 681;
+  const Word* angle = instruction_.find(*block_, 'R');
+  if (angle != nullptr && (modal_.plane != Plane::xy || in_.frames.rotated() != in_.frames.turned())) {
+    refuse_block("E-ROTATION", "a rotation out of G17 or in a rotated work offset", "about which axis the rest turns is not followed", "write G17; set the offset without rotation");
+    return false;
+  }
+  for (auto* side : {&in_, &out_}) {
+    Vec3 shift = anew ? Vec3::Zero() : side->frames.g92();
+    for (int k = 0; k < 3; ++k) {
+      if (const Word* word = turns ? nullptr : axis_word(k)) shift[k] += word->value * modal_.unit();
+    }
+    side->frames.set_g92(shift);
+  }
+  if (turns || in_.frames.turned()) {
+    for (auto* side : {&in_, &out_}) side->frames.turn(Vec3::Zero(), angle != nullptr ? angle->value * deg : 0.0);
+    known_ &= ~3u;
+    withheld_ &= ~3u;
+    start_corrected_ = false;
+  }
+  last_correction_.reset();
+  return true;
 }
 
 // G68 X.. Y.. R..: what X and Y mean changes. They are known again when the program commands both.
 bool Rewriter::turn_frame() {
   const Word* x = axis_word(0);
   const Word* y = axis_word(1);
-  const Word* r = instruction_.find(block_, 'R');
+  const Word* r = instruction_.find(*block_, 'R');
   const bool on = instruction_.rotation == 1;
   if (on && (!x || !y || !r || modal_.plane != Plane::xy || modal_.incremental || in_.frames.rotated())) {
     refuse_block("E-ROTATION", "a rotation is followed with X, Y and R, in G17 and G90, one at a time",
@@ -111,7 +156,8 @@ bool Rewriter::turn_frame() {
 
 bool Rewriter::tool_length() {
   Vec3 tlo = in_.frames.tool_offset();
-  const Word* number_word = instruction_.find(block_, 'H');
+  const bool by_edge = profile_.tools.edges == Profile::Tools::Edges::table;
+  const Word* number_word = instruction_.find(*block_, by_edge ? 'D' : 'H');
   offset_doubtful_ = false;
   if (profile_.tools.moves && (!axis_word(2) || modal_.incremental)) {
     // Parameters say whether the axis moves at once: it is known again when the program commands it.
@@ -193,6 +239,11 @@ bool Rewriter::zero_group(std::string& out, bool& done) {
       }
       saved_g92_ = true;
       return copy();
+    case 521:
+    case 522:
+    case 681:
+    case 682:
+      return make_frame();
     case 920:
       return set_g92();
     case 921:
@@ -257,9 +308,9 @@ bool Rewriter::set_g92() {
 }
 
 bool Rewriter::set_work_offset() {
-  const auto l = whole(instruction_.find(block_, 'L'));
-  const auto p = whole(instruction_.find(block_, 'P'));
-  const Word* rotation = instruction_.find(block_, 'R');
+  const auto l = whole(instruction_.find(*block_, 'L'));
+  const auto p = whole(instruction_.find(*block_, 'P'));
+  const Word* rotation = instruction_.find(*block_, 'R');
   if (l != 2 && l != 20) {
     refuse_block("E-G10", "only G10 L2 and G10 L20 are followed", "other forms change the control's tool data", "set tool data outside the program");
     return false;

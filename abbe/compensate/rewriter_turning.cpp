@@ -280,7 +280,7 @@ bool Rewriter::choose_turning_feed(const Move& move, const Stop& start, const st
   const double distance = linear ? whole / modal_.unit() : angle;
   const bool states_mode = instruction_.feed_mode >= 0;  // a G94 of its own would take the time back
   constexpr std::size_t inverse_time = 930;
-  const bool may_state_times = profile_.g[inverse_time].meaning == Meaning::inverse_time;
+  const bool may_state_times = profile_.feed_of_linear && profile_.g[inverse_time].meaning == Meaning::inverse_time;
   if (may_state_times && modal_.feed_mode == 940 && !states_mode && modal_.has_feed && modal_.feed > 0) {
     timed_feed_ = modal_.feed / distance;
     return true;
@@ -295,7 +295,7 @@ bool Rewriter::choose_turning_feed(const Move& move, const Stop& start, const st
 void Rewriter::write_timed(const Move& move, const std::vector<Piece>& pieces, std::string& out) {
   const std::string inner_eol = file_eol_.empty() ? std::string("\n") : file_eol_;
   const std::string_view line_eol = eol_;
-  const char* const slash = block_.slash ? "/" : "";
+  const char* const slash = block_->slash ? "/" : "";
   eol_ = inner_eol;
   out += fmt::format("{}G93{}", slash, inner_eol);
   // what acts after the motion comes behind it

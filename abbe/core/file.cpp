@@ -6,9 +6,13 @@
 #include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#ifdef __SSE2__
+#include <emmintrin.h>
+#endif
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -140,6 +144,25 @@ std::string folder_of(const std::string& path) {
   return slash == 0 ? "/" : path.substr(0, slash);
 }
 
+std::size_t line_feeds(const char* p, const char* const end) {
+  std::size_t count = 0;
+#ifdef __SSE2__
+  const __m128i feeds = _mm_set1_epi8('\n'), zero = _mm_setzero_si128();
+  while (end - p >= 16) {
+    // a lane counts to 255 at most
+    const char* const stop = p + std::min<std::ptrdiff_t>(end - p, 255 * 16) / 16 * 16;
+    __m128i lanes = zero;
+    for (; p != stop; p += 16)
+      lanes =
+          _mm_sub_epi8(lanes, _mm_cmpeq_epi8(_mm_loadu_si128(reinterpret_cast<const __m128i*>(p)), feeds));
+    const __m128i sums = _mm_sad_epu8(lanes, zero);
+    count += static_cast<std::size_t>(_mm_cvtsi128_si64(sums)) +
+             static_cast<std::size_t>(_mm_cvtsi128_si64(_mm_unpackhi_epi64(sums, sums)));
+  }
+#endif
+  return count + static_cast<std::size_t>(std::count(p, end, '\n'));
+}
+
 }  // namespace
 
 FileResult<std::string> read_file(const std::string& path, std::size_t limit) {
@@ -221,6 +244,39 @@ struct LineReader::State {
     consumed += count;
   }
 
+  /// Whole lines of the buffer, as many as fit; one that is too long is left to next().
+  std::size_t lines_at_hand(std::span<std::string_view> texts) {
+    const char* from = buffer.data() + begin;
+    const char* const to = buffer.data() + end;
+    std::size_t count = 0;
+    const auto take = [&](const char* feed) {
+      const auto length = static_cast<std::size_t>(feed - from) + 1;
+      if (count == texts.size() || length > kMaxLine) return false;
+      texts[count++] = {from, length};
+      from = feed + 1;
+      return true;
+    };
+    const char* p = from;
+#ifdef __SSE2__
+    // Lines are short: all line feeds of 16 bytes at once.
+    const __m128i feeds = _mm_set1_epi8('\n');
+    for (bool more = true; more && count < texts.size() && to - p >= 16; p += more ? 16 : 0) {
+      const __m128i bytes = _mm_loadu_si128(reinterpret_cast<const __m128i*>(p));
+      auto found = static_cast<unsigned>(_mm_movemask_epi8(_mm_cmpeq_epi8(bytes, feeds)));
+      for (; more && found != 0; found &= found - 1) more = take(p + std::countr_zero(found));
+    }
+    p = std::max(p, from);
+#endif
+    while (count < texts.size() && p < to) {
+      const void* const feed = std::memchr(p, '\n', static_cast<std::size_t>(to - p));
+      if (feed == nullptr || !take(static_cast<const char*>(feed))) break;
+      p = from;
+    }
+    consume(static_cast<std::size_t>(from - (buffer.data() + begin)));
+    lines += count;
+    return count;
+  }
+
   // Length up to and with the next line feed, or 0 if there is none in the buffer.
   std::size_t line_length() {
     const void* const feed = std::memchr(buffer.data() + searched, '\n', end - searched);
@@ -281,21 +337,15 @@ std::optional<std::string_view> LineReader::next() {
 }
 
 std::size_t LineReader::next(std::span<std::string_view> lines) {
-  const auto first = lines.empty() ? std::nullopt : next();
-  if (!first) return 0;
-  lines[0] = *first;
   State& s = *state_;
-  std::size_t count = 1;
-  for (std::size_t length = 0; !s.too_long && count < lines.size() && (length = s.line_length()) != 0; ++count) {
-    // A long one is left to next().
-    if (length > kMaxLine) {
-      s.searched = s.begin;
-      break;
-    }
-    lines[count] = {s.buffer.data() + s.begin, length};
-    s.consume(length);
-    ++s.lines;
+  std::size_t count = s.skipping ? 0 : s.lines_at_hand(lines);
+  if (count == 0 && !lines.empty()) {
+    const auto first = next();
+    if (!first) return 0;
+    lines[0] = *first;
+    return s.too_long ? 1 : 1 + s.lines_at_hand(lines.subspan(1));
   }
+  s.too_long = false;
   return count;
 }
 
@@ -310,12 +360,8 @@ void LineReader::read_on() {
   State& s = *state_;
   char last = '\n';
   do {
-    const char* const from = s.buffer.data() + s.begin;
-    const char* const to = s.buffer.data() + s.end;
     if (s.end == s.begin) continue;
-    for (const char* p = from; p != to && (p = static_cast<const char*>(
-                                               std::memchr(p, '\n', static_cast<std::size_t>(to - p)))) != nullptr; ++p)
-      ++s.lines;
+    s.lines += line_feeds(s.buffer.data() + s.begin, s.buffer.data() + s.end);
     last = s.buffer[s.end - 1];
     s.consume(s.end - s.begin);
   } while (s.refill());

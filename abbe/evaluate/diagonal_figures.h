@@ -21,9 +21,11 @@ struct DiagonalFigures {
 ///   C = (dL_np - dL_pp) L / (2 a b),  L = sqrt(a^2 + b^2)
 ///
 /// pp rises in both axes (of lengths a and b), np rises in the second while the first falls. C > 0 turns the
-/// second axis from the first one to its negative side: E_C0Y of the plane XY, E_A0Z of YZ; for ZX, given as
-/// Z then X, it is -E_B0Z turned into the angle of X against Z. units    mm to rad source
-/// docs/theory/measurement.md (first order)
+/// second axis from the first one to its negative side: E_C0Y of the plane XY, E_A0Z of YZ, but -E_B0Z of ZX.
+/// Which axis is the first does not matter: -+ and +- are one diagonal.
+///
+/// units    mm to rad
+/// source   docs/theory/measurement.md (first order)
 [[nodiscard]] double squareness_of_face(double a, double b, double longer_pp, double longer_np);
 
 /// The three squareness angles from the four body diagonals of a box of sides L = (x, y, z), rad. `longer` is

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 #include "abbe/core/units.h"
 #include "abbe/evaluate/diagonal_figures.h"
 
@@ -50,6 +52,21 @@ TEST(Drift, RefusesLogsWithoutTime) {
 TEST(Diagonals, SquarenessOfAFace) {
   EXPECT_NEAR(squareness_of_face(500, 400, -6.24695 * um, 6.24695 * um) / urad, 20, 1e-4);
   EXPECT_NEAR(squareness_of_face(500, 400, 3 * um, 3 * um), 0, 1e-15);
+}
+
+// The end of a diagonal along s moves by E x (s's part along the turned axis); the diagonal becomes longer by
+// what of it is along s.
+TEST(Diagonals, FacesHaveTheSignsOfTheLocationErrors) {
+  const double angle = 20 * urad;
+  const auto face = [&](const Vec3& turn, const Vec3& turned, const Vec3& other) {
+    const auto longer = [&](const Vec3& s) { return turn.cross(s.dot(turned) * turned).dot(s.normalized()); };
+    const Vec3 a = 500 * other, b = 400 * turned;
+    return squareness_of_face(500, 400, longer(a + b), longer(b - a));
+  };
+  const Vec3 x = Vec3::UnitX(), y = Vec3::UnitY(), z = Vec3::UnitZ();
+  EXPECT_NEAR(face(angle * z, y, x), angle, 1e-15);   // EC0Y of XY
+  EXPECT_NEAR(face(angle * x, z, y), angle, 1e-15);   // EA0Z of YZ
+  EXPECT_NEAR(face(angle * y, z, x), -angle, 1e-15);  // EB0Z of ZX
 }
 
 // 500 x 400 x 300 mm with C0Y 20, B0Z -15, A0Z 10 urad.

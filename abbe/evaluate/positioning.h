@@ -25,8 +25,9 @@ struct DirectionalFigure {
 /// x_i = mean over the runs at target i, s_i its sample standard deviation:
 ///
 ///   E forward       max x_i - min x_i of that direction; both: over both directions
-///   R forward       max 4 s_i of that direction; both: max R_i, R_i = max(2 s_f + 2 s_b + |B_i|, 4 s_f, 4
-///   s_b) A forward       max(x_i + 2 s_i) - min(x_i - 2 s_i) of that direction; both: over both directions
+///   R forward       max 4 s_i of that direction; both: max R_i,
+///                   R_i = max(2 s_f + 2 s_b + |B_i|, 4 s_f, 4 s_b)
+///   A forward       max(x_i + 2 s_i) - min(x_i - 2 s_i) of that direction; both: over both directions
 ///   M               max - min of (x_f + x_b) / 2
 ///   B               max |B_i|; mean_reversal = mean of the signed B_i
 ///

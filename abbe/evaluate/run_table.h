@@ -16,8 +16,7 @@ namespace abbe {
 ///   backward(i, j)  the same, approached with decreasing position
 ///
 /// shapes   targets: m, strictly increasing; forward, backward: m rows, one column per run, a direction
-/// without
-///          runs has no columns
+///          without runs has no columns
 /// units    targets mm or rad by target_quantity, deviations mm or rad by quantity
 struct RunTable {
   std::string file;
@@ -30,8 +29,8 @@ struct RunTable {
   [[nodiscard]] bool bidirectional() const { return forward.cols() > 0 && backward.cols() > 0; }
 };
 
-/// Standard deviation of a reading about the mean of its target and direction, pooled over the table; 0 for single
-/// runs.
+/// Standard deviation of a reading about the mean of its target and direction, pooled over the table; 0 for
+/// single runs.
 [[nodiscard]] double reading_scatter(const RunTable& table);
 
 /// A reading as files list them.
@@ -80,7 +79,7 @@ struct RunReading {
                                         const MeasuredUnit* unit = nullptr);
 
 /// Writes the documented CSV that read_runs reads back to the same numbers: target, run, direction,
-/// deviation.
+/// deviation. The texts of two tables are equal only if their readings are.
 [[nodiscard]] std::string write_runs(const RunTable& table);
 
 }  // namespace abbe

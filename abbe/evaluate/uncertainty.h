@@ -28,9 +28,10 @@ struct CombinedUncertainty {
 ///   u_c^2 = sum (c_i u_i)^2 + 2 sum_(i<j) c_i c_j u_i u_j r_ij,   nu_eff = u_c^4 / sum (c_i u_i)^4 / nu_i
 ///
 /// `correlation`: square, as many rows as inputs; empty = none. The degrees of freedom are for inputs that do
-/// not depend on each other; with correlations they are those of the contributions alone. errors   nullopt: a
-/// number that is not finite or negative, a correlation matrix of the wrong size or beyond
-///          +-1, a negative u_c^2
+/// not depend on each other; with correlations they are those of the contributions alone.
+///
+/// errors   nullopt: a number that is not finite or negative, a correlation matrix of the wrong size or
+///          beyond +-1, a negative u_c^2
 /// laws     GumH1, GumH2
 /// source   JCGM 100:2008, 5.1.2, 5.2.2 and G.4.1
 [[nodiscard]] std::optional<CombinedUncertainty> combine(const std::vector<UncertaintyInput>& inputs,

@@ -112,6 +112,21 @@ TEST(Fit, FindsWhatWasMeasured) {
   }
 }
 
+// Without errors_seen the sign of what a table's errors are called is anybody's guess.
+TEST(Fit, ATableHasToSayWhoseErrorsItStates) {
+  const std::string line = "errors_seen = \"tool\"\n";
+  const Campaign campaign(HiddenMachine(three_axis_machine(), kHiddenErrors), 11, {});
+  Files files = campaign.files;
+  std::string& machine = files.at("hidden.toml");
+  machine.erase(machine.find(line), line.size());
+  const Parsed<FitJob> job = read_job(campaign.job, files);
+  ASSERT_TRUE(job.value) << codes(job.diagnostics);
+  const Parsed<Unknowns> unknowns = unknowns_of(*job.value, *observations_of(*job.value).value);
+  EXPECT_FALSE(unknowns.value);
+  ASSERT_EQ(unknowns.diagnostics.size(), 1U) << codes(unknowns.diagnostics);
+  EXPECT_EQ(unknowns.diagnostics.front().code, "E-ERRORS-SEEN");
+}
+
 TEST(Fit, SomeErrorWouldBeSeen) {
   // The test above has teeth: without errors the volume is wrong by 16 um, with one optic misplaced by some.
   const HiddenMachine hidden(three_axis_machine(), kHiddenErrors);

@@ -53,6 +53,7 @@ class Chooser {
       if (known.insert(run.name).second) add_measured(run.name);
     for (const FitFunction& function : job_.functions)
       if (known.insert(function.name).second) add_declared(function);
+    refuse_without_sign();
     out_.locations_asked = !job_.locations.empty();
     out_.locations = out_.locations_asked ? job_.locations : likely_locations();
     for (const FitValue& value : job_.values)
@@ -65,6 +66,24 @@ class Chooser {
   }
 
  private:
+  /// Once per axis: whoever states errors_seen afterwards may turn the sign of what was found.
+  void refuse_without_sign() {
+    std::set<int> told;
+    for (const UnknownFunction& function : out_.functions) {
+      const Body& body = job_.machine.axis(function.axis);
+      if (!body.errors_have_no_sign() || !told.insert(function.axis).second) continue;
+      findings_.error(
+          "E-ERRORS-SEEN", 0,
+          fmt::format("{} is to be found, and the machine file has no errors_seen for axis {}, which carries "
+                      "the workpiece",
+                      function.name, body.name),
+          "an error of the table itself and the error of the tool seen from the work have opposite signs",
+          fmt::format("add errors_seen = \"body\" or \"tool\" to [axis.{}]; the errors are written as it "
+                      "says",
+                      body.name));
+    }
+  }
+
   FunctionGauge gauge_of(const ErrorName& name, int axis) const {
     const double reference =
         job_.reference[static_cast<std::size_t>(axis)] / position_unit(job_.machine, axis);

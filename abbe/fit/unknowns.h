@@ -40,7 +40,8 @@ struct Unknowns {
 ///   squareness to it, of the third one both; rotary axes: displacements and rotations perpendicular to the
 ///   axis
 ///
-/// errors   E-JOB-FORM (a declared function that needs runs, or a form with more unknowns than targets)
+/// errors   E-JOB-FORM (a declared function that needs runs, or a form with more unknowns than targets),
+///          E-ERRORS-SEEN (errors of a workpiece-branch axis that does not state errors_seen)
 [[nodiscard]] Parsed<Unknowns> unknowns_of(const FitJob& job, const Observations& observations);
 
 }  // namespace abbe

@@ -183,6 +183,8 @@ Identification identify_jointly(const Machine& machine, const std::vector<Ballba
                                 const IdentifyOptions& options) {
   const std::vector<int> moving = moving_axes(machine, tests);
   if (moving.empty()) return failed(Status::no_axes);
+  if (std::any_of(moving.begin(), moving.end(), [&](int k) { return machine.axis(k).errors_have_no_sign(); }))
+    return failed(Status::no_sign);
   const JointDesign design(machine, tests,
                            choose_terms(machine, moving, travel_of_tests(machine, tests), options.terms));
   const Factored factored = factor_of(design, options, true);

@@ -56,6 +56,7 @@ struct Identification {
   enum class Status {
     ok,
     no_axes,       ///< an axis of a test is no linear axis of the machine
+    no_sign,       ///< an axis of a test carries the workpiece and does not state errors_seen
     too_few_rows,  ///< fewer samples than unknowns that could be seen
     not_finite,
   } status = Status::ok;

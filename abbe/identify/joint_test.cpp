@@ -315,6 +315,22 @@ TEST(Joint, ClocksOfRunsAreFound) {
   EXPECT_LT(found.runs.back().time_uncertainty, 0.02);
 }
 
+// "body" and "tool" state the same table with opposite signs; without either nobody knows which one to write.
+TEST(Joint, ErrorsOfATableHaveTheSignTheFileStates) {
+  const auto table = [](const std::string& seen) {
+    return machine_of("format = 1\n[machine]\nchain = \"w X b Y Z t\"\n[axis.X]\n" + seen);
+  };
+  const Machine hidden = table("errors_seen = \"tool\"\n[errors]\nEXX = { poly = [0, 0, -1e-4] }\n");
+  const std::vector<BallbarTest> tests = measure(hidden, full_plan());
+  for (const auto& [seen, sign] : {std::pair{"tool", +1}, {"body", -1}}) {
+    const Machine machine = table("errors_seen = \"" + std::string(seen) + "\"\n");
+    const Identification found = identify_jointly(machine, tests, {});
+    ASSERT_TRUE(found.ok());
+    EXPECT_NEAR(find(found, "EXX X^2", machine)->value, sign * -1e-4 * um, 1e-6 * um) << seen;
+  }
+  EXPECT_EQ(identify_jointly(table(""), tests, {}).status, Identification::Status::no_sign);
+}
+
 TEST(Joint, WhatCannotBeUsedHasAReason) {
   const Machine lathe = machine_of("format = 1\n[machine]\nchain = \"w b X Z t\"\n");
   const Machine mill = machine_of(kColumn);

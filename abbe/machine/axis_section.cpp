@@ -237,7 +237,7 @@ class AxisReader {
   void read_errors_seen() {
     const TomlEntry* entry = find("errors_seen");
     if (entry == nullptr) return;
-    notes_.errors_seen_given = true;
+    body_.errors_seen_stated = true;
     const auto choice = read_choice(entry->value, {"body", "tool"}, key("errors_seen"), findings_);
     if (!choice) return;
     if (*choice == 1 && body_.branch == Branch::tool) {

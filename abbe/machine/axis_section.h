@@ -13,7 +13,6 @@ struct AxisNotes {
   Mark mark;   ///< its key in the axis table, else its word in the chain
   Mark order;  ///< of the explicit order
   bool explicit_order = false;
-  bool errors_seen_given = false;
 };
 
 struct AxisSection {

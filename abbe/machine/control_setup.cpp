@@ -20,6 +20,8 @@ namespace {
 constexpr std::array<std::string_view, kFixedWorkOffsets> kNames{"G54", "G55",   "G56",   "G57",  "G58",
                                                                  "G59", "G59.1", "G59.2", "G59.3"};
 constexpr int kMostFurther = 300;
+/// G500, which has no offset of its own, among the further ones.
+constexpr int kNoOffsetNumber = 100;
 
 }  // namespace
 
@@ -28,9 +30,22 @@ std::string work_offset_label(int index) {
   return fmt::format("G54.1 P{}", index - kFixedWorkOffsets + 1);
 }
 
+std::optional<int> tool_named(const std::map<int, ToolEntry>& tools, std::string_view name) {
+  const std::string said = fmt::format("name=\"{}\"", name);
+  for (const auto& [number, tool] : tools) {
+    if (tool.comment.find(said) != std::string::npos) return number;
+  }
+  return std::nullopt;
+}
+
 std::optional<int> work_offset_index(std::string_view name) {
   const auto at = std::find(kNames.begin(), kNames.end(), name);
   if (at != kNames.end()) return static_cast<int>(at - kNames.begin());
+  if (name == "G500") return kFixedWorkOffsets - 1 + kNoOffsetNumber;
+  if (name.size() == 4 && name.starts_with("G5") && name >= "G505") {  // G505 .. G599
+    const auto number = read_number(name.substr(2));
+    if (number && *number == std::floor(*number)) return kFixedWorkOffsets - 1 + static_cast<int>(*number);
+  }
   for (const std::string_view start : {"G54.1P", "G54.1 P", "G154P", "G154 P"}) {
     if (!name.starts_with(start)) continue;
     const auto number = read_number(name.substr(start.size()));

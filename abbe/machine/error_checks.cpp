@@ -22,7 +22,7 @@ std::vector<std::string> names_of(const Machine& machine, const std::vector<std:
 
 void require_errors_seen(const Machine& machine, const std::vector<AxisNotes>& axes, Findings& findings) {
   for (std::size_t i = 0; i < machine.bodies.size(); ++i) {
-    if (machine.bodies[i].branch != Branch::workpiece || axes[i].errors_seen_given) continue;
+    if (!machine.bodies[i].errors_have_no_sign()) continue;
     std::vector<std::size_t> terms;
     for (std::size_t k = 0; k < machine.errors.size(); ++k) {
       const ErrorTerm& term = machine.errors[k];

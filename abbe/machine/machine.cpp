@@ -172,4 +172,20 @@ std::vector<std::string> errors_of_one_test(const Machine& machine) {
   return names;
 }
 
+std::optional<Diagnostic> refusal_of_one_test(const Machine& machine) {
+  const std::vector<std::string> names = errors_of_one_test(machine);
+  if (names.empty()) return std::nullopt;
+  Diagnostic d;
+  d.code = "E-SCOPE";
+  d.place.file = machine.files.empty() ? "machine" : machine.files.back();
+  for (const std::string& name : names) d.message += name + " ";
+  d.message += names.size() == 1 ? "is" : "are";
+  d.message += " true of one test only (scope = \"test\")";
+  d.why =
+      "such a part depends on the feed and the time of that test; on another path it would be an error of "
+      "its own";
+  d.fix = "remove it from the errors file, or identify it as a function of v. and a.";
+  return d;
+}
+
 }  // namespace abbe

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "abbe/core/diagnostic.h"
 #include "abbe/core/linear_algebra.h"
 #include "abbe/core/units.h"
 #include "abbe/errors/error_function.h"
@@ -46,10 +47,16 @@ struct Body {
   std::optional<std::string>
       location;  ///< "line", "frame", "after" as given; empty for explicit orders and defaults
   bool errors_seen_at_tool = false;
+  bool errors_seen_stated = false;  ///< the file says errors_seen
   std::optional<Vec3> measured_at;  ///< mm, bed frame at home
   std::string address;              ///< word in programs; empty if none
   bool correctable = true;
   int axis = -1;  ///< index among the moving axes; -1 for fixed bodies
+
+  /// It carries the workpiece and nobody says how its errors are seen: they may be of either sign.
+  [[nodiscard]] bool errors_have_no_sign() const {
+    return branch == Branch::workpiece && !errors_seen_stated;
+  }
 };
 
 /// True if the body's order lets this error act: some factor carries its class, and for location
@@ -72,6 +79,12 @@ struct Variable {
   Kind kind = Kind::sensor;
   std::string name;  ///< as in the file: "X", "v.X", "a.X", "T1", "t"
   int axis = -1;     ///< of the moving axes; -1 for sensors
+};
+
+/// A sensor that nobody reads: another one through a first-order lag, tau dy/dt + y = u.
+struct LaggedSensor {
+  std::string name, of;
+  double lag = 0;  ///< tau, s, above 0
 };
 
 /// Where an error acts.
@@ -105,6 +118,7 @@ struct Machine {
   FileUnits units;
   std::vector<Variable> variables;  ///< first one position per moving axis (same index), then the others used
   std::vector<ErrorTerm> errors;    ///< in file order
+  std::vector<LaggedSensor> lagged_sensors;  ///< [sensors]
   Calibration calibration;
   ControlModel control;
   std::string sha256;              ///< of machine file, errors file if given apart, and CSV tables
@@ -148,5 +162,7 @@ struct BodyNumber {
 /// Names of the errors with scope = "test", in file order. They may be looked at, but no command of the machine
 /// may be corrected by them.
 [[nodiscard]] std::vector<std::string> errors_of_one_test(const Machine& machine);
+/// E-SCOPE if there are such errors: why this machine commands nothing.
+[[nodiscard]] std::optional<Diagnostic> refusal_of_one_test(const Machine& machine);
 
 }  // namespace abbe

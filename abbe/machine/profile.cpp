@@ -69,6 +69,12 @@ constexpr MeaningInfo kMeaningInfo[] = {
     {M::transformation_off, "transformation-off", 'G', "P", 0, "ends a transformation that would be refused"},
     {M::smoothing, "smoothing", 'G', "P!", 0, "smoothing by the control, not modelled"},
     {M::copy, "copy", 'G', "P", 0, "without effect on the path"},
+    {M::frame_shift, "frame-shift", 'G', "X", kAxes, "shifts the work offset; alone: ends shift and turn"},
+    {M::frame_shift_further, "frame-shift-further", 'G', "X", kAxes, "shifts it further"},
+    {M::frame_turn, "frame-turn", 'G', "X", letter_set("R"), "turns coordinates about their zero; alone: ends shift and turn"},
+    {M::frame_turn_further, "frame-turn-further", 'G', "X", letter_set("R"), "turns what is shifted"},
+    {M::tcp_on, "tcp-on", 'G', "X", 0, "tool centre point control begins"},
+    {M::tcp_off, "tcp-off", 'G', "X", 0, "tool centre point control ends"},
     {M::stop, "stop", 'M', "P", 0, "program stop, after the motion"},
     {M::end, "end", 'M', "P", 0, "end of the program"},
     {M::tool_change, "tool-change", 'M', "P", 0, "puts the selected tool into the spindle"},
@@ -77,6 +83,8 @@ constexpr MeaningInfo kMeaningInfo[] = {
     {M::coolant, "coolant", 'M', "P", 0, "coolant"},
     {M::override_switch, "override", 'M', "P", 0, "feed and speed overrides"},
     {M::signal, "signal", 'M', "P", 0, "outputs and inputs"},
+    {M::call_subprogram, "call", 'M', "X", letter_set("PL"), "runs subprogram P of this file, once"},
+    {M::end_subprogram, "return", 'M', "P", 0, "ends a subprogram"},
     {M::auxiliary, "auxiliary", 'M', "P", 0, "without effect on the path"},
 };
 
@@ -92,7 +100,20 @@ static_assert(in_order());
 const MeaningInfo& about(Meaning meaning) { return kMeaningInfo[static_cast<std::size_t>(meaning)]; }
 std::span<const MeaningInfo> all_meanings() { return kMeaningInfo; }
 
-std::string g_name(std::size_t index) {
+const Profile::Keyword* find_keyword(const Profile& profile, std::string_view name) {
+  const auto at = std::lower_bound(profile.keywords.begin(), profile.keywords.end(), name, [](const auto& keyword, std::string_view key) { return keyword.name < key; });
+  return at == profile.keywords.end() || at->name != name ? nullptr : &*at;
+}
+
+char find_address(const Profile& profile, std::string_view name) {
+  const auto at = std::lower_bound(profile.addresses.begin(), profile.addresses.end(), name, [](const auto& address, std::string_view key) { return address.name < key; });
+  return at == profile.addresses.end() || at->name != name ? '\0' : at->letter;
+}
+
+std::string g_name(const Profile& profile, std::size_t index) {
+  for (const Profile::Keyword& keyword : profile.keywords) {
+    if (keyword.index == index) return keyword.name;
+  }
   return index % 10 == 0 ? fmt::format("G{}", index / 10) : fmt::format("G{}.{}", index / 10, index % 10);
 }
 

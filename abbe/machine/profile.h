@@ -33,8 +33,11 @@ enum class Meaning : std::uint8_t {
   per_turn, units_inch, units_mm, cutter_off, tool_length, tool_length_minus, tool_length_direct, tool_length_off,
   retract_initial, retract_r, work_offset, numbered_work_offset, path_control, spindle_mode, radius_mode, rotate,
   rotate_off, transformation_off, smoothing, copy,
+  // frames made by a word: they replace what stands, or come on top of it
+  frame_shift, frame_shift_further, frame_turn, frame_turn_further, tcp_on, tcp_off,
   // M codes
-  stop, end, tool_change, set_tool, spindle, coolant, override_switch, signal, auxiliary,
+  stop, end, tool_change, set_tool, spindle, coolant, override_switch, signal, call_subprogram,
+  end_subprogram, auxiliary,
 };
 inline constexpr std::size_t kMeanings = static_cast<std::size_t>(Meaning::auxiliary) + 1;
 
@@ -68,13 +71,14 @@ struct CodeRefusal {
 /// What the readers of programs must know of a control: plain values, read from a profile file
 /// (docs/dialects.md). Lengths are mm unless they are digits of the program.
 struct Profile {
-  static constexpr std::size_t kGCodes = 2048;  ///< index = ten times the number: G59.1 = 591
+  static constexpr std::size_t kGCodes = 8192;  ///< index = ten times the number: G59.1 = 591
+  static constexpr std::size_t kKeywords = 512; ///< behind them, codes that are words: SUPA
   static constexpr std::size_t kMCodes = 1024;
 
   std::string name, title, about;
   std::vector<std::string> sources;
   std::string file;                ///< where it was read from
-  std::array<CodeUse, kGCodes> g;
+  std::array<CodeUse, kGCodes + kKeywords> g;
   std::array<CodeUse, kMCodes> m;
   std::vector<CodeRefusal> refusals;
   LetterSet letters = 0;           ///< value letters of all codes together
@@ -96,7 +100,23 @@ struct Profile {
     bool colon = false;              ///< ":1234" is a program number, too
     bool program_number = true;      ///< "O1234"
     Skip skip = Skip::plain;
+    bool names = false;              ///< words may have names: "X=10.5", "CR=5", "SUPA", "MSG(..)"; else RS274
   } text;
+
+  /// What follows the word of a code: nothing; nothing or "()"; "(..)" or nothing; "=" and a number, "[..]" between.
+  enum class Form : std::uint8_t { alone, empty, arguments, value };
+  struct Keyword {
+    std::string name;                ///< capitals
+    std::size_t index = 0;           ///< into `g`
+    Form form = Form::alone;
+  };
+  std::vector<Keyword> keywords;     ///< in alphabetical order
+  /// A value word with a name: "CR=" is an R.
+  struct Address {
+    std::string name;
+    char letter = 0;
+  };
+  std::vector<Address> addresses;    ///< in alphabetical order
 
   /// Radii at both ends of an arc may differ by `tolerance`, by `relative` of the radius if more, never by `limit`.
   struct Arcs {
@@ -123,6 +143,11 @@ struct Profile {
     bool moves = false;              ///< the control may move when an offset changes without a Z word, or not
     bool change_first = true;        ///< M6 beside a motion comes before it; false: refused
     bool home_cancels = false;       ///< after a reference return or G53 the offset may be gone
+    /// D: not known; puts the offset of the tool in the spindle in force (D1, D0 none); that of the table's row D.
+    enum class Edges : std::uint8_t { none, tool, table };
+    Edges edges = Edges::none;       ///< with either the offset must be stated after M6 and at the start
+    bool follows_plane = false;      ///< in G18 and G19 the length acts along Y and X: refused
+    bool in_machine_coordinates = false;  ///< it acts there too: refused unless it is zero
   } tools;
 
   /// What holds before the program says anything; `stated`: nothing is assumed (E-START).
@@ -138,17 +163,24 @@ struct Profile {
     int fixed = 9;                   ///< how many of G54 .. G59.3 exist
     int further = 0;                 ///< how many beyond them (G54.1 P, G154 P)
     bool l20_reads = true;           ///< G10 L20 makes the present position read the values; false: it sets a further offset
+    bool keeps_shift = true;         ///< a shift of the program outlives the choice of another offset; false: refused
     bool p0_active = true;           ///< G10 L2 P0 is the active one; false: the external offset, refused
   } offsets;
 
   /// A group-0 code that takes axis words may stand beside a motion code, which then only becomes the mode.
   bool home_beside_motion = false;
+  bool feed_of_linear = true;        ///< beside turning axes F is of the linear ones where these move; false: not sure
   bool rapid_straight = true;        ///< rapids go straight; else their path is the control's
   bool arc_centre_switch = true;     ///< arcs may have absolute centres (a code says so)
 };
 
-/// Spells a code of the table: "G59.1", "M30".
-[[nodiscard]] std::string g_name(std::size_t index);
+/// The word that is a code of this control, or none. `name` in capitals. cost log(count).
+[[nodiscard]] const Profile::Keyword* find_keyword(const Profile& profile, std::string_view name);
+/// The letter that the value word `name` (capitals) stands for; 0: none.
+[[nodiscard]] char find_address(const Profile& profile, std::string_view name);
+
+/// Spells a code of the table: "G59.1", "SUPA".
+[[nodiscard]] std::string g_name(const Profile& profile, std::size_t index);
 /// "G43.4", "M3": the letter and the index into Profile::g or ::m; kind 0: not a code.
 struct CodeName {
   char kind = 0;

@@ -140,5 +140,40 @@ TEST(Profiles, AnyBytesGiveAProfileOrReasons) {
   }
 }
 
+TEST(Profiles, CodesMayBeWords) {
+  const auto siemens = embedded_profile("siemens");
+  ASSERT_NE(siemens, nullptr);
+  const Profile::Keyword* supa = find_keyword(*siemens, "SUPA");
+  ASSERT_NE(supa, nullptr);
+  EXPECT_EQ(siemens->g[supa->index].meaning, Meaning::machine_coordinates);
+  EXPECT_EQ(supa->form, Profile::Form::alone);
+  EXPECT_EQ(g_name(*siemens, supa->index), "SUPA");
+  EXPECT_EQ(g_name(*siemens, 591), "G59.1");
+  EXPECT_EQ(find_keyword(*siemens, "MSG")->form, Profile::Form::arguments);
+  EXPECT_EQ(find_keyword(*siemens, "SUP"), nullptr);
+  EXPECT_EQ(find_address(*siemens, "CR"), 'R');
+  EXPECT_EQ(find_address(*siemens, "C1"), '\0');
+  EXPECT_EQ(siemens->g[5990].number, 9 + 99) << "G599";
+  const auto own = read_profile("own.toml", "format = 1\nextends = \"siemens\"\n[codes]\nMSG = \"copy\"\nCUSTOM = { meaning = \"copy\", form = \"value\" }\n[addresses]\nS2 = \"S\"\n");
+  ASSERT_TRUE(own.value);
+  EXPECT_EQ(find_keyword(*own.value, "MSG")->form, Profile::Form::alone);
+  EXPECT_EQ(find_keyword(*own.value, "CUSTOM")->form, Profile::Form::value);
+  EXPECT_EQ(find_address(*own.value, "S2"), 'S');
+}
+
+TEST(Profiles, MistakesInNamesHaveTheirPlace) {
+  const auto code_of = [](const std::string& text) {
+    const auto parsed = read_profile("own.toml", "format = 1\nextends = \"siemens\"\n" + text);
+    return parsed.diagnostics.empty() ? std::string() : parsed.diagnostics.front().code;
+  };
+  EXPECT_EQ(code_of("[codes]\nsupa = \"copy\"\n"), "E-VALUE");
+  EXPECT_EQ(code_of("[codes]\nG0 = { meaning = \"rapid\", form = \"value\" }\n"), "E-VALUE");
+  EXPECT_EQ(code_of("[codes]\nXY = { meaning = \"copy\", form = \"odd\" }\n"), "E-VALUE");
+  EXPECT_EQ(code_of("[addresses]\nX1 = \"X\"\n"), "E-VALUE") << "axes are spelled by their letters";
+  EXPECT_EQ(code_of("[addresses]\nq = \"R\"\n"), "E-VALUE");
+  const auto plain = read_profile("own.toml", "format = 1\nextends = \"fanuc\"\n[codes]\nSUPA = \"copy\"\n");
+  EXPECT_FALSE(plain.value) << "a control without names";
+}
+
 }  // namespace
 }  // namespace abbe

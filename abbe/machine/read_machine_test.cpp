@@ -168,6 +168,33 @@ TEST(ReadMachine, ErrorsFindTheirBodies) {
   EXPECT_FALSE(body(machine, "X").correctable);
 }
 
+TEST(ReadMachine, ErrorsOfATableHaveASignOnceItIsStated) {
+  const std::string head =
+      "format = 1\n[machine]\nchain = \"w X Y b Z t\"\n[axis.X]\nerrors_seen = \"body\"\n";
+  READ_OR_FAIL(machine, head);
+  for (const Machine& same : {machine, as_controlled(machine), as_believed(machine)}) {
+    EXPECT_FALSE(body(same, "X").errors_have_no_sign());
+    EXPECT_TRUE(body(same, "Y").errors_have_no_sign());
+    EXPECT_FALSE(body(same, "Z").errors_have_no_sign());  // it carries the tool
+  }
+}
+
+TEST(ReadMachine, ErrorsOfOneTestAreNamed) {
+  READ_OR_FAIL(
+      machine,
+      "format = 1\n[machine]\nchain = \"w b X Y Z t\"\n[errors]\n"
+      "EXX = { sine = [1, 2, 0], of = \"t\", scope = \"test\" }\nEYY = { poly = [3], scope = \"machine\" }\n"
+      "EZZ = [{ poly = [1] }, { poly = [2], scope = \"test\" }]\nEC0Y = 4\n");
+  EXPECT_THAT(errors_of_one_test(machine), ElementsAre("EXX", "EZZ"));
+  EXPECT_THAT(errors_of_one_test(as_controlled(machine)), ElementsAre("EXX", "EZZ"));
+  EXPECT_THAT(errors_of_one_test(as_believed(machine)), ElementsAre());
+  const auto refusal = refusal_of_one_test(machine);
+  ASSERT_TRUE(refusal);
+  EXPECT_EQ(refusal->code, "E-SCOPE");
+  EXPECT_THAT(refusal->message, testing::StartsWith("EXX EZZ are true of one test only"));
+  EXPECT_FALSE(refusal_of_one_test(as_believed(machine)));
+}
+
 TEST(ReadMachine, LocationErrorsAloneNeedNoErrorsSeen) {
   READ_OR_FAIL(machine, "format = 1\n[machine]\nchain = \"w X b Y t\"\n[errors]\nEC0X = 1\nEXY = 2\n");
   EXPECT_FALSE(body(machine, "X").errors_seen_at_tool);

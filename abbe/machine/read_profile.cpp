@@ -19,9 +19,11 @@ constexpr int kFixedOffsets = 9;
 
 const std::vector<std::string> kTables{"format",  "title",  "about",   "sources", "extends", "text",
                                        "numbers", "arcs",   "cycles",  "tools",   "start",   "offsets",
-                                       "motion",  "codes",  "order",   "refused"};
+                                       "motion",  "codes",  "order",   "refused", "addresses"};
 /// Codes of refusals a profile may use.
-const std::vector<std::string> kRefusalCodes{"E-GCODE", "E-MCODE", "E-CUTCOM", "E-FRAME", "E-TCP", "E-CYCLE"};
+const std::vector<std::string> kRefusalCodes{"E-GCODE", "E-MCODE", "E-CUTCOM", "E-FRAME", "E-TCP", "E-CYCLE", "E-EXPR", "E-OWORD", "E-ROTARY"};
+const std::vector<std::string> kForms{"alone", "empty", "arguments", "value"};  // as Profile::Form
+constexpr std::size_t kLongestName = 32;
 
 /// One table of a profile: what it names is changed, the rest stays.
 class Section {
@@ -121,13 +123,37 @@ std::optional<Meaning> read_meaning(const TomlNode& node, char kind, const std::
   return std::nullopt;
 }
 
+/// Capitals, digits and '_', two at least, a letter first.
+bool is_name(std::string_view text) {
+  const auto letter = [](char c) { return c >= 'A' && c <= 'Z'; };
+  const bool allowed = std::all_of(text.begin(), text.end(), [&](char c) { return letter(c) || c == '_' || (c >= '0' && c <= '9'); });
+  return allowed && text.size() >= 2 && text.size() <= kLongestName && (letter(text[0]) || text[0] == '_');
+}
+
+/// A code that is a word, new if the profile has not had it.
+Profile::Keyword* keyword_of(std::string_view name, Mark mark, Profile& profile, Findings& findings) {
+  auto& words = profile.keywords;
+  const auto at = std::lower_bound(words.begin(), words.end(), name, [](const auto& word, std::string_view key) { return word.name < key; });
+  if (at != words.end() && at->name == name) return &*at;
+  if (words.size() == Profile::kKeywords) {
+    findings.error("E-COUNT", mark, fmt::format("more than {} codes that are words", Profile::kKeywords), "", "leave out what programs do not use");
+    return nullptr;
+  }
+  return &*words.insert(at, {std::string(name), Profile::kGCodes + words.size(), Profile::Form::alone});
+}
+
 /// The code that a key or a text names, or E-VALUE.
 CodeUse* find_code(std::string_view name, Mark mark, Profile& profile, Findings& findings) {
   const CodeName code = read_code_name(name);
   if (code.kind == 'G') return &profile.g[code.index];
   if (code.kind == 'M') return &profile.m[code.index];
+  const bool misspelled = name.size() > 1 && (name[0] == 'G' || name[0] == 'M') && name[1] >= '0' && name[1] <= '9';
+  if (profile.text.names && is_name(name) && !misspelled) {
+    const Profile::Keyword* keyword = keyword_of(name, mark, profile, findings);
+    return keyword == nullptr ? nullptr : &profile.g[keyword->index];
+  }
   findings.error("E-VALUE", mark, fmt::format("{} is no G or M code", in_quotes(name)),
-                 "codes are G0 to G204 with at most one digit after the point, and M0 to M1023",
+                 "codes are G0 to G819 with at most one digit after the point, and M0 to M1023; words where [text] has names = true",
                  "write \"G59.1\" or M30, in capitals and without leading zeros");
   return nullptr;
 }
@@ -142,6 +168,21 @@ std::optional<LetterSet> read_letters(const TomlNode& node, const std::string& w
   return std::nullopt;
 }
 
+/// What may follow the word of a code; whatever it was before, `alone` if nothing is said.
+void read_form(const TomlEntry& entry, bool detailed, Profile& profile, Findings& findings) {
+  const TomlEntry* said = detailed ? entry.value.find("form") : nullptr;
+  if (read_code_name(entry.key).kind != 0) {
+    if (said != nullptr)
+      findings.error("E-VALUE", said->mark, fmt::format("{} has a number, and so no form", entry.key), "", "remove form");
+    return;
+  }
+  Profile::Keyword* keyword = keyword_of(entry.key, entry.mark, profile, findings);
+  if (keyword == nullptr) return;
+  keyword->form = Profile::Form::alone;
+  if (said == nullptr) return;
+  if (const auto at = read_choice(said->value, kForms, "codes." + entry.key + ".form", findings)) keyword->form = static_cast<Profile::Form>(*at);
+}
+
 /// `G64 = "path-control"` or `G64 = { meaning = "path-control", words = "PQ" }`.
 void read_code(const TomlEntry& entry, Profile& profile, Findings& findings) {
   CodeUse* use = find_code(entry.key, entry.mark, profile, findings);
@@ -150,15 +191,17 @@ void read_code(const TomlEntry& entry, Profile& profile, Findings& findings) {
   const bool detailed = entry.value.kind == TomlNode::Kind::table;
   const TomlEntry* said = detailed ? entry.value.find("meaning") : nullptr;
   if (detailed) {
-    refuse_other_keys(entry.value, {"meaning", "words", "number"}, what, findings);
+    refuse_other_keys(entry.value, {"meaning", "words", "number", "form"}, what, findings);
     if (said == nullptr) {
       findings.error("E-MISSING-KEY", entry.value.mark, fmt::format("no meaning in {}", what), "it says what the code does",
                      "add meaning = \"copy\" or another of `abbe profiles --meanings`");
       return;
     }
   }
-  const auto meaning = read_meaning(detailed ? said->value : entry.value, entry.key[0], what, findings);
+  const char kind = read_code_name(entry.key).kind == 'M' ? 'M' : 'G';
+  const auto meaning = read_meaning(detailed ? said->value : entry.value, kind, what, findings);
   if (!meaning) return;
+  read_form(entry, detailed, profile, findings);
   const bool after = use->after;  // [order] is another matter
   *use = CodeUse{};
   use->after = after;
@@ -183,6 +226,25 @@ void read_codes(const TomlNode& root, Profile& profile, Findings& findings) {
   for (const TomlEntry& code : entry->value.entries) {
     if (findings.full()) return;
     read_code(code, profile, findings);
+  }
+}
+
+/// `CR = "R"`: no letter of an axis, whose words are also added and are spelled by their letter.
+void read_addresses(const TomlNode& root, Profile& profile, Findings& findings) {
+  const TomlEntry* entry = root.find("addresses");
+  if (entry == nullptr || !expect_kind(entry->value, TomlNode::Kind::table, "addresses", findings)) return;
+  const std::vector<std::string> letters{"D", "F", "H", "L", "M", "P", "Q", "R", "S", "T"};
+  for (const TomlEntry& address : entry->value.entries) {
+    const auto at = read_choice(address.value, letters, "addresses." + address.key, findings);
+    if (!is_name(address.key)) {
+      findings.error("E-VALUE", address.mark, fmt::format("{} is no name of a word", in_quotes(address.key)),
+                     "names are two or more capitals and digits", "write CR = \"R\"");
+    } else if (at) {
+      auto& list = profile.addresses;
+      const auto place = std::lower_bound(list.begin(), list.end(), address.key, [](const auto& known, const std::string& key) { return known.name < key; });
+      if (place != list.end() && place->name == address.key) place->letter = letters[*at][0];
+      else list.insert(place, {address.key, letters[*at][0]});
+    }
   }
 }
 
@@ -261,10 +323,11 @@ bool read_subset(const Section& section, std::string_view key, const std::vector
 }
 
 void read_text_rules(const TomlNode& root, Profile& profile, Findings& findings) {
-  const Section section(root, "text", {"block_bytes", "comments", "percent", "program_number", "block_delete"}, findings);
+  const Section section(root, "text", {"block_bytes", "comments", "percent", "program_number", "block_delete", "names"}, findings);
   Profile::Text& text = profile.text;
   section.whole("block_bytes", text.block_bytes, 60, 254);
   section.flag("percent", text.percent);
+  section.flag("names", text.names);
   section.choice("block_delete", {"none", "plain", "numbered", "ignored"}, text.skip);
   std::vector<bool> present;
   if (read_subset(section, "comments", {"()", ";"}, present, findings)) {
@@ -302,24 +365,29 @@ void read_cycles(const TomlNode& root, Profile& profile, Findings& findings) {
 }
 
 void read_states(const TomlNode& root, Profile& profile, Findings& findings) {
-  const Section tools(root, "tools", {"h_needed", "z_only", "moves", "change_first", "home_cancels"}, findings);
+  const Section tools(root, "tools", {"h_needed", "z_only", "moves", "change_first", "home_cancels", "edges", "follows_plane", "in_machine_coordinates"}, findings);
   tools.flag("h_needed", profile.tools.h_needed);
   tools.flag("z_only", profile.tools.z_only);
   tools.flag("moves", profile.tools.moves);
   tools.flag("change_first", profile.tools.change_first);
   tools.flag("home_cancels", profile.tools.home_cancels);
+  tools.choice("edges", {"none", "tool", "table"}, profile.tools.edges);
+  tools.flag("follows_plane", profile.tools.follows_plane);
+  tools.flag("in_machine_coordinates", profile.tools.in_machine_coordinates);
   const Section start(root, "start", {"units", "distance", "retract"}, findings);
   start.choice("units", {"mm", "inch", "stated"}, profile.start.units);
   start.choice("distance", {"absolute", "incremental", "stated"}, profile.start.distance);
   start.choice("retract", "r", "initial", profile.start.retract_to_r);
-  const Section offsets(root, "offsets", {"fixed", "further", "l20", "p0"}, findings);
+  const Section offsets(root, "offsets", {"fixed", "further", "l20", "p0", "keeps_shift"}, findings);
   offsets.whole("further", profile.offsets.further, 0, kMostFurtherOffsets);
   offsets.whole("fixed", profile.offsets.fixed, 1, kFixedOffsets);
+  offsets.flag("keeps_shift", profile.offsets.keeps_shift);
   offsets.choice("l20", "reads", "further", profile.offsets.l20_reads);
   offsets.choice("p0", "active", "external", profile.offsets.p0_active);
-  const Section motion(root, "motion", {"home_beside_motion", "rapid_straight"}, findings);
+  const Section motion(root, "motion", {"home_beside_motion", "rapid_straight", "rotary_feed"}, findings);
   motion.flag("home_beside_motion", profile.home_beside_motion);
   motion.flag("rapid_straight", profile.rapid_straight);
+  motion.choice("rotary_feed", "linear", "unsure", profile.feed_of_linear);
 }
 
 /// What the repeats word and the further offsets bring with them.
@@ -334,7 +402,7 @@ void complete(Profile& profile) {
     profile.letters |= use.words;
   }
   for (CodeUse& use : profile.m) {
-    use.after = use.after || use.meaning == Meaning::stop || use.meaning == Meaning::end;
+    use.after = use.after || use.meaning == Meaning::stop || use.meaning == Meaning::end || use.meaning == Meaning::call_subprogram || use.meaning == Meaning::end_subprogram;
     profile.letters |= use.words;
   }
 }
@@ -357,6 +425,7 @@ void apply(const TomlNode& root, Profile& profile, Findings& findings) {
   read_cycles(root, profile, findings);
   read_states(root, profile, findings);
   read_codes(root, profile, findings);
+  read_addresses(root, profile, findings);
   read_order(root, profile, findings);
   read_refusals(root, profile, findings);
 }

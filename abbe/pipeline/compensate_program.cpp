@@ -155,16 +155,9 @@ bool is_fresh(Run& run, const Input& input) {
 
 /// Errors that are true of one test only must not move the machine.
 bool errors_are_of_the_machine(Run& run) {
-  const std::vector<std::string> names = errors_of_one_test(run.plan.machine());
-  if (names.empty()) return true;
-  run.fail(ProgramEnd::refused,
-           about(run.plan.machine().files.empty() ? "machine" : run.plan.machine().files.back(), "E-SCOPE",
-                 fmt::format("{} {} true of one test only (scope = \"test\")", fmt::join(names, " "),
-                             names.size() == 1 ? "is" : "are"),
-                 "such a part depends on the feed and the time of that test; on another path it would be an error of "
-                 "its own",
-                 "remove it from the errors file, or identify it as a function of v. and a."));
-  return false;
+  const std::optional<Diagnostic> refusal = refusal_of_one_test(run.plan.machine());
+  if (refusal) run.fail(ProgramEnd::refused, *refusal);
+  return !refusal;
 }
 
 bool calibration_holds(Run& run) {

@@ -9,6 +9,7 @@
 
 #include "abbe/core/file.h"
 #include "abbe/program/block.h"
+#include "abbe/program/named_block.h"
 
 namespace abbe {
 namespace {
@@ -28,9 +29,17 @@ struct Line {
   bool understood = false;
 };
 
+/// As the control reads it; false: not understood.
+bool split_words(std::string_view line, const Profile* profile, Block& block) {
+  const bool names = profile != nullptr && profile->text.names;
+  return names ? !read_named_block(line, *profile, block) : !read_block(line, block, true);
+}
+
+bool is_header(const std::string& line) { return line.starts_with("(ABBE ") || line.starts_with(";ABBE "); }
+
 class Lines {
  public:
-  explicit Lines(LineReader reader) : reader_(std::move(reader)) {}
+  Lines(LineReader reader, const Profile* profile) : reader_(std::move(reader)), profile_(profile) {}
 
   /// The line after the ones taken, without taking it.
   const Line* peek() {
@@ -41,7 +50,7 @@ class Lines {
       line_.number = reader_.line_number();
       std::string_view view = line_.bytes;
       if (line_.number == 1) view.remove_prefix(std::min(view.find_first_not_of('\0'), view.size()));
-      line_.understood = !read_block(view, line_.block, true);
+      line_.understood = split_words(view, profile_, line_.block);
       ready_ = true;
     }
     return &line_;
@@ -51,6 +60,7 @@ class Lines {
 
  private:
   LineReader reader_;
+  const Profile* profile_;
   Line line_;
   bool ready_ = false;
 };
@@ -119,7 +129,7 @@ bool only_coordinates(const Line& line) {
 }  // namespace
 
 DiffReport diff_programs(const std::string& original, const std::string& output,
-                         const std::function<void(const WordChange&)>& each) {
+                         const std::function<void(const WordChange&)>& each, const Profile* profile) {
   DiffReport report;
   auto first = LineReader::open(original), second = LineReader::open(output);
   for (auto* opened : {&first, &second}) {
@@ -133,7 +143,7 @@ DiffReport diff_programs(const std::string& original, const std::string& output,
   }
   if (!report.diagnostics.empty()) return report;
   report.readable = report.same_program = true;
-  Lines in(std::move(std::get<LineReader>(first))), out(std::move(std::get<LineReader>(second)));
+  Lines in(std::move(std::get<LineReader>(first)), profile), out(std::move(std::get<LineReader>(second)), profile);
   bool incremental = false;
   std::array<double, 3> at{};  // of the output, program units
   const auto differs = [&](const Line* a, const Line* b, const char* what) {
@@ -168,7 +178,7 @@ DiffReport diff_programs(const std::string& original, const std::string& output,
   };
   while (const Line* a = in.peek()) {
     const Line* b = out.peek();
-    while (b && b->bytes.rfind("(ABBE ", 0) == 0 && a->bytes.rfind("(ABBE ", 0) != 0) {
+    while (b && is_header(b->bytes) && !is_header(a->bytes)) {
       ++report.header_lines;
       out.take();
       b = out.peek();
@@ -202,7 +212,7 @@ DiffReport diff_programs(const std::string& original, const std::string& output,
     const Line whole = *a;
     std::string_view whole_view = whole.bytes;
     Line kept = whole;
-    static_cast<void>(read_block(whole_view, kept.block, true));
+    static_cast<void>(split_words(whole_view, profile, kept.block));
     const std::array<double, 3> start = at;
     const bool closed = has_centre(kept.block) && !find(kept.block, 'X') && !find(kept.block, 'Y') && !find(kept.block, 'Z');
     const auto reached = [&](const Block& block) {

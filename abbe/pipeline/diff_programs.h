@@ -6,6 +6,7 @@
 #include <string>
 
 #include "abbe/core/diagnostic.h"
+#include "abbe/machine/profile.h"
 
 namespace abbe {
 
@@ -30,8 +31,9 @@ struct DiffReport {
 
 /// Compares two texts word by word: what changed, and that nothing else did. It says nothing about the
 /// path: that is verify_program.
-/// each    called for every changed or added word, in order; may be empty
+/// each     called for every changed or added word, in order; may be empty
+/// profile  of the control, whose words may have names; null: RS274 letters
 [[nodiscard]] DiffReport diff_programs(const std::string& original, const std::string& output,
-                                       const std::function<void(const WordChange&)>& each);
+                                       const std::function<void(const WordChange&)>& each, const Profile* profile = nullptr);
 
 }  // namespace abbe

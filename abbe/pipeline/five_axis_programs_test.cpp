@@ -2,35 +2,20 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
 #include <cmath>
-#include <fstream>
-#include <numbers>
-#include <random>
-#include <sstream>
 #include <string>
 
 #include "abbe/core/units.h"
-#include "abbe/machine/read_machine.h"
-#include "abbe/pipeline/compensate_program.h"
-#include "abbe/pipeline/diff_programs.h"
+#include "abbe/pipeline/test_random_machine.h"
+#include "abbe/pipeline/test_run_program.h"
 
 namespace abbe {
 namespace {
 
+using namespace testing;
+
 constexpr double kToolLength = 120;
-
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : rng_(seed) {}
-  double between(double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(rng_); }
-  int below(int n) { return static_cast<int>(rng_() % static_cast<std::uint64_t>(n)); }
-  bool chance(double p) { return between(0, 1) < p; }
-
- private:
-  std::mt19937_64 rng_;
-};
 
 struct Structure {
   const char* chain;
@@ -138,50 +123,13 @@ class Writer {
   std::string text_;
 };
 
-std::string findings(const ProgramOutcome& outcome) {
-  std::string all;
-  for (const auto& d : outcome.diagnostics) all += to_text(d) + "\n";
-  return all;
-}
-
-struct Case {
-  ProgramOutcome outcome;
-  std::string output;
-};
-
-ProgramJob job_of(const std::string& stem) {
-  ProgramJob job;
-  job.program = stem + ".ngc";
-  job.output = stem + ".out.ngc";
-  job.header = HeaderForm::none;
-  job.setup.work_offsets[0] = WorkOffset{{30, -20, 15}, 0, {}};
-  job.setup.tools[1] = ToolEntry{1, 1, {0, 0, kToolLength}, kToolLength, 10, ""};
-  job.setup.tools[2] = ToolEntry{2, 2, {0, 0, kToolLength + 40}, kToolLength + 40, 10, ""};
-  return job;
-}
-
-std::string slurp(const std::string& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::stringstream text;
-  text << in.rdbuf();
-  return text.str();
-}
-
-Plan plan_of(const std::string& text) {
-  const auto machine = read_machine({"machine.toml", text}, std::nullopt, {});
-  EXPECT_TRUE(machine.value) << text << (machine.diagnostics.empty() ? "" : to_text(machine.diagnostics.front()));
-  return std::get<Plan>(make_plan(*machine.value, {}));
-}
-
-Case run(const std::string& machine, const std::string& program, const std::string& judged_by = {}) {
-  const std::string stem = ::testing::TempDir() + "abbe_five_" + std::to_string(::getpid());
-  std::ofstream(stem + ".ngc", std::ios::binary) << program;
-  ProgramJob job = job_of(stem);
-  Case result{compensate_program(plan_of(machine), job), slurp(job.output)};
-  if (!judged_by.empty()) result.outcome = verify_programs(plan_of(judged_by), job, job.output);
-  ::unlink(job.program.c_str());
-  ::unlink(job.output.c_str());
-  return result;
+/// Corrected on one machine, and where another is named, verified on that.
+ProgramRun run(const std::string& machine, const std::string& program, const std::string& judged_by = {}) {
+  ProgramJob plain = plain_program_job(kToolLength);
+  plain.setup.tools[2] = ToolEntry{2, 2, {0, 0, kToolLength + 40}, kToolLength + 40, 10, ""};
+  return run_program(plan_of(machine), program, plain, [&](const ProgramJob& job, ProgramOutcome& outcome) {
+    if (!judged_by.empty()) outcome = verify_programs(plan_of(judged_by), job, job.output);
+  });
 }
 
 std::string control_of(Random& random) {
@@ -189,20 +137,21 @@ std::string control_of(Random& random) {
 }
 
 TEST(FiveAxisPrograms, AreVerifiedOnMachinesOfEveryStructure) {
-  int done = 0;
-  for (std::uint64_t seed = 1; seed <= 210; ++seed) {
+  std::uint64_t done = 0;
+  const std::uint64_t programs = testing::random_programs(210);
+  for (std::uint64_t seed = 1; seed <= programs; ++seed) {
     Random random(seed);
     const Structure& structure = kStructures[seed % std::size(kStructures)];
     const std::string machine = machine_text(random, structure, control_of(random));
     const std::string program = Writer(random, structure, seed % 5 == 0).write(12, seed % 3 == 0);
-    const Case result = run(machine, program);
+    const ProgramRun result = run(machine, program);
     ASSERT_EQ(result.outcome.end, ProgramEnd::done)
         << "seed " << seed << "\n" << findings(result.outcome) << machine << "\n----\n" << program << "\n----\n" << result.output;
     EXPECT_LE(result.outcome.verify.after.max, result.outcome.verify.allowed) << "seed " << seed;
     EXPECT_GT(result.outcome.verify.before.max, result.outcome.verify.after.max) << "seed " << seed;
     ++done;
   }
-  EXPECT_EQ(done, 210);
+  EXPECT_EQ(done, programs);
 }
 
 TEST(FiveAxisPrograms, AMachineWithoutErrorsChangesNoByte) {
@@ -211,7 +160,7 @@ TEST(FiveAxisPrograms, AMachineWithoutErrorsChangesNoByte) {
     const Structure& structure = kStructures[seed % std::size(kStructures)];
     const std::string machine = machine_text(random, structure, control_of(random), 0);
     const std::string program = Writer(random, structure, seed % 2 == 0).write(20, seed % 3 == 0);
-    const Case result = run(machine, program);
+    const ProgramRun result = run(machine, program);
     ASSERT_EQ(result.outcome.end, ProgramEnd::done) << findings(result.outcome) << program;
     EXPECT_EQ(result.output, program) << "seed " << seed;
   }
@@ -274,7 +223,7 @@ class TurningCases : public ::testing::TestWithParam<TurningCase> {};
 
 TEST_P(TurningCases, ComeOutRightOrNotAtAll) {
   const TurningCase& one = GetParam();
-  const Case result = run(kTable, one.program);
+  const ProgramRun result = run(kTable, one.program);
   EXPECT_EQ(result.outcome.end, one.end) << findings(result.outcome) << result.output;
   EXPECT_NE(findings(result.outcome).find(one.code), std::string::npos) << findings(result.outcome);
   EXPECT_NE(result.output.find(one.holds), std::string::npos) << result.output;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstdint>
+#include <cstdlib>
 #include <numbers>
 #include <random>
 #include <string>
@@ -19,6 +20,13 @@ class Random {
  private:
   std::mt19937_64 rng_;
 };
+
+/// How many random programs a test runs: `usual`, or what ABBE_RANDOM_PROGRAMS says (CONTRIBUTING.md).
+inline std::uint64_t random_programs(std::uint64_t usual) {
+  const char* const said = std::getenv("ABBE_RANDOM_PROGRAMS");
+  const std::uint64_t number = said == nullptr ? 0 : std::strtoull(said, nullptr, 10);
+  return number > 0 ? number : usual;
+}
 
 /// All 21 errors of a three-axis machine in every form, as a machine file.
 inline std::string random_machine(Random& random, double scale) {

@@ -75,6 +75,12 @@ constexpr Role kRoles[] = {
     {Meaning::transformation_off, loose, 0},
     {Meaning::smoothing, loose, 1},
     {Meaning::copy, loose, 0},
+    {Meaning::frame_shift, zero, 521},
+    {Meaning::frame_shift_further, zero, 522},
+    {Meaning::frame_turn, zero, 681},
+    {Meaning::frame_turn_further, zero, 682},
+    {Meaning::tcp_on, loose, 0},
+    {Meaning::tcp_off, loose, 0},
 };
 
 constexpr std::array<Role, kMeanings> make_roles() {
@@ -115,7 +121,7 @@ std::optional<int> scaled(double value, double factor, int limit) {
 /// What the profile says of a G or M word; `unknown` for numbers that are no code.
 const CodeUse& use_of(const Profile& profile, const Word& word) {
   static constexpr CodeUse kUnknown{};
-  const auto code = word.letter == 'G' ? scaled(word.value, 10, static_cast<int>(Profile::kGCodes))
+  const auto code = word.letter == 'G' ? scaled(word.value, 10, static_cast<int>(Profile::kGCodes + Profile::kKeywords))
                                        : scaled(word.value, 1, static_cast<int>(Profile::kMCodes));
   if (!code) return kUnknown;
   return word.letter == 'G' ? profile.g[static_cast<std::size_t>(*code)] : profile.m[static_cast<std::size_t>(*code)];
@@ -195,6 +201,7 @@ void Reading::put_in_force(const Role& role, const CodeUse& use) {
     case zero:
       out.zero = role.code;
       dwell_x = use.meaning == Meaning::dwell && (use.words & bit('X')) != 0;
+      out.dwell_by_f = use.meaning == Meaning::dwell && (use.words & bit('F')) != 0;
       break;
     case motion:
       out.motion = role.code;
@@ -214,6 +221,7 @@ void Reading::put_in_force(const Role& role, const CodeUse& use) {
     case loose:
       out.smooths = out.smooths || use.meaning == Meaning::smoothing;
       out.exact_stop = out.exact_stop || use.meaning == Meaning::exact_stop_once;
+      if (use.meaning == Meaning::tcp_on || use.meaning == Meaning::tcp_off) out.tcp = use.meaning == Meaning::tcp_on ? 1 : 0;
       break;
     default: break;
   }
@@ -230,13 +238,18 @@ bool Reading::note_m(const Word& word) {
   out.tool_change = out.tool_change || use.meaning == Meaning::tool_change;
   out.set_tool = out.set_tool || use.meaning == Meaning::set_tool;
   out.ends = out.ends || use.meaning == Meaning::end;
+  if (use.meaning == Meaning::call_subprogram) out.flow = 1;
+  if (use.meaning == Meaning::end_subprogram) out.flow = 2;
   out.after = out.after || use.after;
   return true;
 }
 
 bool axis_words_taken(GCode zero_code) {
-  return zero_code == 100 || zero_code == 280 || zero_code == 300 || zero_code == 520 || zero_code == 920;
+  return zero_code == 100 || zero_code == 280 || zero_code == 300 || (zero_code >= 520 && zero_code <= 522) || zero_code == 920;
 }
+
+/// TRANS, ATRANS, ROT, AROT.
+bool makes_frame(GCode zero_code) { return zero_code == 521 || zero_code == 522 || zero_code == 681 || zero_code == 682; }
 
 const char* letter_code(char letter) {
   if (letter == 'U' || letter == 'V' || letter == 'W') return "E-AXIS";
@@ -301,7 +314,9 @@ ModalState start_of(const Profile& profile) {
   state.retract_to_r = profile.start.retract_to_r;
   state.units_stated = profile.start.units != Profile::Units::stated;
   state.distance_stated = profile.start.distance != Profile::Distance::stated;
-  state.stated = state.units_stated && state.distance_stated;
+  state.edges = profile.tools.edges != Profile::Tools::Edges::none;
+  state.edge_stated = !state.edges;
+  state.stated = state.units_stated && state.distance_stated && state.edge_stated;
   return state;
 }
 
@@ -332,6 +347,20 @@ bool sort_words(Reading& reading) {
   return good;
 }
 
+/// D of controls whose tools have edges: the offset of the tool in the spindle, or none. False: refused.
+bool read_edge(Reading& reading) {
+  using Edges = Profile::Tools::Edges;
+  const Edges edges = reading.profile.tools.edges;
+  const Word* d = edges == Edges::none ? nullptr : reading.out.find(reading.block, 'D');
+  if (d == nullptr) return true;
+  reading.used |= bit('D');
+  reading.out.tool_length = d->value == 0 ? 490 : 430;
+  if (edges == Edges::table || d->value == 0 || d->value == 1) return true;
+  reading.refuse(*d, "E-TOOL", fmt::format("{}: only the first edge of a tool is known", spelled(reading.block, *d)), "the offsets of further edges are in no tool table",
+                 "use D1; where D numbers name rows of the table, set tools.edges = \"table\" in a profile of your own");
+  return false;
+}
+
 /// The further work offset that P names. False: refused.
 bool number_work_offset(Reading& reading) {
   Instruction& out = reading.out;
@@ -355,7 +384,7 @@ bool read_instruction(const Profile& profile, const Block& block, const ModalSta
   if (is_plain_line(block, state, out)) return true;
   out = kNothing;
   Reading reading{profile, block, line, findings, out, state};
-  if (!sort_words(reading) || !number_work_offset(reading)) return false;
+  if (!sort_words(reading) || !number_work_offset(reading) || !read_edge(reading)) return false;
   LetterSet present = 0;
   for (std::size_t i = 0; i < out.word.size(); ++i) present |= out.word[i] >= 0 ? LetterSet{1} << i : 0;
   out.after = out.after || out.exact_stop;
@@ -379,6 +408,10 @@ bool read_instruction(const Profile& profile, const Block& block, const ModalSta
   if (out.rotation >= 0 && (out.states_motion || out.zero >= 0 || out.wcs >= 0 || (out.rotation == 0 && out.moves_axes))) {
     return whole_block("E-BLOCK", "a rotation together with other codes or words", "in which order the control takes them is not sure",
                        "give the rotation a block of its own");
+  }
+  const bool alone = !out.states_motion && out.wcs < 0 && out.tool_length < 0 && out.tcp < 0;
+  if (makes_frame(out.zero) && (!alone || (out.zero >= 681 && out.moves_axes))) {
+    return whole_block("E-BLOCK", "a frame together with other codes or words", "in which order the control takes them is not sure", "give the frame a block of its own");
   }
   if (out.smooths && out.moves_axes) {
     return whole_block("E-BLOCK", "axis words beside a smoothing code", "whether they move the machine is not known", "split the block");
@@ -427,7 +460,7 @@ void apply_modal(const Block& block, const Instruction& in, ModalState& state) {
     if (in.feed_mode != state.feed_mode) state.has_feed = false;
     state.feed_mode = in.feed_mode;
   }
-  if (const Word* f = in.find(block, 'F')) {
+  if (const Word* f = in.find(block, 'F'); f != nullptr && !in.dwell_by_f) {
     state.feed = f->value;
     state.has_feed = true;
   }
@@ -438,7 +471,8 @@ void apply_modal(const Block& block, const Instruction& in, ModalState& state) {
   if (in.retract >= 0) state.retract_to_r = in.retract == 990;
   state.units_stated = state.units_stated || in.units >= 0;
   state.distance_stated = state.distance_stated || in.distance >= 0;
-  state.stated = state.units_stated && state.distance_stated;
+  if (state.edges) state.edge_stated = in.tool_length >= 0 || (state.edge_stated && !in.tool_change);
+  state.stated = state.units_stated && state.distance_stated && state.edge_stated;
   if (in.states_motion) {
     state.motion = in.motion;
     state.motion_words = in.motion_words;

@@ -38,7 +38,9 @@ struct ModalState {
   bool has_feed = false;       ///< F given since the feed mode changed
   LetterSet motion_words = 0;  ///< letters that belong to the motion in force
   bool units_stated = true, distance_stated = true;  ///< false: the profile assumes nothing, and the program has said nothing
-  bool stated = true;          ///< both
+  bool edges = false;          ///< the control wants the tool offset stated after M6 and at the start (Profile::Tools::edges)
+  bool edge_stated = true;     ///< and it is
+  bool stated = true;          ///< all of these
   std::span<const TcpCode> tcp_codes{};  ///< codes of this control that switch tool centre point control
   [[nodiscard]] double unit() const { return inch ? 25.4 : 1.0; }
 };
@@ -58,6 +60,7 @@ struct Instruction {
   bool plain = false;          ///< X Y Z and F only: a line or rapid that was in force
   int wcs = -1;                ///< work offset: 0 = G54 .. 8 = G59.3, then the further ones
   GCode tool_length = -1, plane = -1, units = -1, distance = -1, arc_distance = -1, feed_mode = -1, retract = -1;
+  bool dwell_by_f = false;     ///< F is the time of a dwell, no feed
   int rotation = -1;           ///< 1: a programmed rotation begins (G68), 0: it ends
   LetterSet motion_words = 0;
   bool path_control = false;   ///< G61, G64
@@ -65,6 +68,7 @@ struct Instruction {
   bool exact_stop = false;     ///< G9
   bool tool_change = false;    ///< M6
   bool set_tool = false;       ///< M61 Q
+  std::int8_t flow = 0;        ///< 1: a subprogram is called, 2: one ends
   bool ends = false;           ///< M2 M30
   bool after = false;          ///< a code acts when the motion is done: M0 M1 M2 M30, on some controls M5 M9, G9
 

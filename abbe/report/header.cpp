@@ -105,6 +105,9 @@ std::vector<std::string> header_lines(const ProgramReport& report) {
                   report.tolerance / um);
   if (calibration.temperature) terms = fmt::format("TEMP {:.1f} C {}", *calibration.temperature, terms);
   add_comment(lines, terms);
+  if (!profile_of(report.setup)->text.parentheses) {
+    for (std::string& line : lines) line = ';' + line.substr(1, line.size() - 2);
+  }
   return lines;
 }
 

@@ -236,6 +236,11 @@ TEST(RealTime, WhyAMachineIsNotLoaded) {
   const Model several(head + "EXX = { poly = [0, 1], of = \"X\", times = { poly = [0, 1], of = \"Y\" } }\n");
   EXPECT_EQ(several.model, nullptr);
   EXPECT_NE(several.why.find("several axes"), std::string::npos);
+  const Model one_test(head + "EYY = 1\nEXX = { poly = [0, 1], scope = \"test\" }\n", nullptr);
+  EXPECT_EQ(one_test.model, nullptr);
+  EXPECT_NE(one_test.why.find("EXX is true of one test only"), std::string::npos) << one_test.why;
+  const Model of_machine(head + "EXX = { poly = [0, 1], scope = \"machine\" }\n", nullptr);
+  EXPECT_NE(of_machine.model, nullptr) << of_machine.why;
   const Model direction(head + "EXX = { forward = { poly = [1] }, backward = { poly = [2] } }\n", nullptr);
   ASSERT_NE(direction.model, nullptr) << direction.why;
   const std::array<double, 3> at = {10, 20, 30};

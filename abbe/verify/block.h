@@ -59,8 +59,9 @@ struct Block {
   struct Extra {
     char kind;  ///< G or M
     bool after;
-    std::int16_t code;  ///< G: 10 times
+    std::int16_t code;  ///< G: 10 times, or the place of a word in Profile::g
     Letters words;
+    std::string_view text;  ///< of a code that is a word, with its arguments
   };
   int extra_count = 0;
   std::array<Extra, kMaxExtras> extras;
@@ -69,6 +70,7 @@ struct Block {
   char tcp_letter = 'G';
   bool tcp = false;        ///< on or off
   bool deletable = false;  ///< starts with '/'
+  std::string_view tool_name;  ///< T="..", without quotes; the T word is then 0
   int comment_count = 0;
   std::array<std::string_view, kMaxComments> comments;  ///< with their delimiters
 

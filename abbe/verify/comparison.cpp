@@ -11,7 +11,6 @@ namespace abbe::verifying {
 namespace {
 
 constexpr std::size_t kMaxDisagreements = 20;
-constexpr std::size_t kMaxDatums = 1000;
 /// How far to look for an event that came too late.
 constexpr int kLookAhead = 16;
 /// Differences of frames and ways of axes that are rounding of double arithmetic.
@@ -65,7 +64,7 @@ std::string describe(const Event& event) {
       text = fmt::format("M{}", event.code);
       break;
     case EventKind::g_code:
-      text = code10(event.code);
+      text = event.text.empty() ? code10(event.code) : std::string(event.text);
       break;
   }
   std::size_t n = 0;
@@ -161,7 +160,7 @@ void Comparison::compare_event() {
 /// G93 that the original does not have: the output states the time of the turning motion that follows.
 bool Comparison::begins_timed(const Event& found) const {
   constexpr int inverse_time = 930;
-  return !timed_ && found.kind == EventKind::g_code && found.code == inverse_time;
+  return output_.profile().feed_of_linear && !timed_ && found.kind == EventKind::g_code && found.code == inverse_time;
 }
 
 /// Behind such a motion the output must restore feed mode and feed of the original.
@@ -204,14 +203,15 @@ void Comparison::compare_motion() {
   if (context_changed_) update_context();
   if (expected.tcp != tcp_) withheld_ = 0;  // what stood in machine coordinates has become a point of the tip
   tcp_ = expected.tcp;
-  if (stop_ || !stand(expected.turns_end, output_turns_)) return;
+  const bool turns = model_.rotary().any();
+  if (stop_ || (turns && !stand(expected.turns_end, output_turns_))) return;
   if (timed_ && !(expected.kind == MotionKind::line && expected.turns() && expected.feed_mode == 940))
     return disagree_and_stop("V-FEED", "G93 in the output for a motion that needs no time of its own");
   if (expected.feeds() && !expected.machine_words) return expected.turns() ? cover_turning(expected) : cover(expected);
   if (!pull_motion()) return;
   const Motion& found = output_.motion();
   output_turns_ = found.turns_end;
-  if (!stand(expected.turns_end, output_turns_) || !check_turns(expected, found)) return;
+  if (turns && (!stand(expected.turns_end, output_turns_) || !check_turns(expected, found))) return;
   if (expected.kind != found.kind || expected.machine_words != found.machine_words ||
       expected.code != found.code) {
     if (expected.kind == MotionKind::cycle || found.kind == MotionKind::cycle)
@@ -325,11 +325,7 @@ void Comparison::update_context() {
   const Vec3 origin = frames.system().origin + frames.tool_offset;
   model_.stand({{}, {}, false, 0});
   datum_ = model_.actual(origin, Approach{}, nullptr) - model_.nominal(origin);
-  const DatumShift shift{work_offset_label(frames.active), tool.value_or(-1), datum_};
-  const bool known = std::any_of(report_.datums.begin(), report_.datums.end(), [&](const DatumShift& other) {
-    return other.frame == shift.frame && other.tool == shift.tool && other.removed == shift.removed;
-  });
-  if (!known && report_.datums.size() < kMaxDatums) report_.datums.push_back(shift);
+  note_datum(report_.datums, {work_offset_label(frames.active), tool.value_or(-1), datum_});
 }
 
 /// Where the rotary axes of both programs stand from now on. False: the tip cannot be followed there (reported).

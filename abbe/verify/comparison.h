@@ -4,9 +4,9 @@
 #include <optional>
 #include <string>
 
+#include "abbe/core/path_tally.h"
 #include "abbe/verify/nominal_path.h"
 #include "abbe/verify/reader.h"
-#include "abbe/verify/tally.h"
 #include "abbe/verify/tip_model.h"
 #include "abbe/verify/verify.h"
 
@@ -38,10 +38,10 @@ class Comparison {
   void compare_motion();
   Item pull();         ///< the output's next item
   bool pull_motion();  ///< the output's next item must be a motion
-  void explain_disorder(Item found, const Event* expected);
-  void disagree(const char* code, std::string message);
-  void disagree_and_stop(const char* code, std::string message);
-  void refused(const ProgramReader& reader);
+  [[gnu::cold]] void explain_disorder(Item found, const Event* expected);
+  [[gnu::cold]] void disagree(const char* code, std::string message);
+  [[gnu::cold]] void disagree_and_stop(const char* code, std::string message);
+  [[gnu::cold]] void refused(const ProgramReader& reader);
   void update_context();
 
   // compare_point.cpp: motions of which only points count
@@ -86,7 +86,7 @@ class Comparison {
   bool stand(const Turns& original, const Turns& output);
   bool check_turns(const Motion& original, const Motion& output);
   [[nodiscard]] double direction_allowed(const Motion& original, double before) const;
-  void disagree_direction(double after, double before);
+  [[gnu::cold]] void disagree_direction(double after, double before);
   void check_direction(const Motion& original, double after, double before);
 
   /// Tip at the start of a motion: mostly where the last one ended, and then already known.

@@ -28,7 +28,8 @@ Control::Control(const ControlSetup& setup, const Rotary* rotary)
       tool_change_keeps_place_(setup.tool_change_keeps_place),
       rotary_(rotary),
       turns_(setup.start_turns),
-      tcp_(rotary != nullptr && rotary->starts_with_tcp()) {
+      tcp_(rotary != nullptr && rotary->starts_with_tcp()),
+      edge_stated_(profile_.tools.edges == Profile::Tools::Edges::none) {
   if (profile_.start.units == Profile::Units::imperial) unit_ = abbe::inch;
   incremental_ = profile_.start.distance == Profile::Distance::incremental;
   retracts_to_r_ = profile_.start.retract_to_r;
@@ -131,7 +132,7 @@ bool Control::execute_settled() {
   if (!choose_motion()) return false;
   constexpr std::uint32_t motion_group = 1u << 1;
   const bool plain = (block.g_groups & ~motion_group) == 0 && block.m_groups == 0 && block.extra_count == 0 &&
-                     block.g_code(1) != kNoMotion && (block.words & letters('S', 'T')) == 0 && block.tcp_code < 0;
+                     block.g_code(1) != kNoMotion && (block.words & letters('S', 'T', 'D')) == 0 && block.tcp_code < 0;
   if (plain) {
     if (!feed_words()) return false;
   } else {
@@ -149,8 +150,9 @@ bool Control::choose_motion() {
   const bool offset_words = b.g_code(8) == 431;
   const bool times_by_x = group0 == 40 && (b.g_words[0] & letter_bit('X')) != 0;
   const bool turns = b.g_code(11) == 680;
-  const bool takes_axes = group0 == 100 || group0 == 280 || group0 == 300 || group0 == 520 || group0 == 920 || times_by_x || turns;
-  if (takes_axes || offset_words || group0 >= 921) {
+  const bool takes_axes = group0 == 100 || group0 == 280 || group0 == 300 || (group0 >= 520 && group0 <= 522) || group0 == 920 || times_by_x || turns;
+  const bool turns_anew = group0 == 681 || group0 == 682;  // ROT, AROT
+  if (takes_axes || offset_words || group0 >= 921 || turns_anew) {
     covets_ = true;
     const std::size_t column = group0 >= 0 ? b.g_column[0] : turns ? b.g_column[11] : b.g_column[8];
     const bool only_mode = profile_.home_beside_motion && (group0 == 280 || group0 == 300) && (explicit_motion == 0 || explicit_motion == 10);
@@ -210,7 +212,8 @@ bool Control::settings() {
     feed_mode_ = code;
     add(EventKind::g_code, code);
   }
-  if (!feed_words()) return false;
+  const bool dwells_by_f = b.g_code(0) == 40 && (b.g_words[0] & letter_bit('F')) != 0;
+  if (!dwells_by_f && !feed_words()) return false;
   if (b.has('S')) {
     if (!use('S')) return false;
     add(EventKind::speed, 0, letter_bit('S'));
@@ -220,10 +223,7 @@ bool Control::settings() {
     add(EventKind::g_code, code, b.g_words[14]);
   }
   if (b.has('T')) {
-    int number = 0;
-    if (!use('T') || !whole_word('T', number, "E-TOOL")) return false;
-    selected_ = number;
-    add(EventKind::tool, 0, letter_bit('T'));
+    if (!select_tool()) return false;
   }
   if (!m_codes()) return false;
   if (b.g_code(0) == 40) {
@@ -251,6 +251,7 @@ bool Control::tool_codes(int code) {
       return refuse(column, "E-TOOL", "M6 without a T word before it", "the tool in the spindle is not known",
                     "select the tool with T");
     tool_ = selected_;
+    edge_stated_ = profile_.tools.edges == Profile::Tools::Edges::none;
     add(EventKind::m_code, 6);
     // Where the control changes tools (TOOL_CHANGE_POSITION and others of its configuration) it stays.
     if (!tool_change_keeps_place_) {
@@ -271,7 +272,7 @@ bool Control::tool_codes(int code) {
 
 bool Control::modes() {
   const Block& b = *block_;
-  if (b.g_groups == 0 && b.tcp_code < 0) return true;
+  if (b.g_groups == 0 && b.tcp_code < 0 && !b.has('D')) return true;
   const auto change = [&](int group) {
     const int code = b.g_code(group);
     if (code >= 0) add(EventKind::g_code, code);
@@ -285,7 +286,11 @@ bool Control::modes() {
   }
   change(7);
   if (const int code = b.g_code(8); code >= 0 && !tool_offset(code)) return false;
+  if (!edge()) return false;
   if (b.tcp_code >= 0) {
+    if (b.tcp && (rotary_ == nullptr || !rotary_->declared()))
+      return refuse(1, "E-TCP", "tool centre point control without a model of the control",
+                    "where the tip goes is not known", "declare [control] in the machine file");
     if (!switch_tcp(b.tcp)) return false;
     const bool g = b.tcp_letter == 'G';
     add(g ? EventKind::g_code : EventKind::m_code, g ? b.tcp_code : b.tcp_code / 10);
@@ -299,6 +304,9 @@ bool Control::modes() {
         return refuse_at('P', "E-WCS", fmt::format("there is no work offset P{}", number), "the frame is not known", "correct the P word");
       index = kFixedWorkOffsets - 1 + number;
     }
+    if (!profile_.offsets.keeps_shift && frames_.g92 != Vec3::Zero())
+      return refuse(b.g_column[12], "E-FRAME", "another work offset while a shift of the program is in force",
+                    "it is not defined whether the shift stays", "end the shift first");
     frames_.active = index;
     u_ = program_of(frames_, m_);
     add(EventKind::g_code, 540, code == Block::kFurtherOffset ? letter_bit('P') : 0).sets_frames = true;
@@ -343,6 +351,11 @@ bool Control::tool_offset(int code) {
   } else {
     words = letter_bit('H');
     std::optional<int> number = profile_.tools.h_needed ? std::nullopt : tool_;
+    if (profile_.tools.edges == Profile::Tools::Edges::table) {
+      int row = 0;
+      if (!whole_word('D', row, "E-TOOL")) return false;
+      number = row;
+    }
     if (b.has('H')) {
       int h = 0;
       if (!use('H') || !whole_word('H', h, "E-TOOL")) return false;
@@ -350,7 +363,7 @@ bool Control::tool_offset(int code) {
     }
     const auto entry = number ? tools_.find(*number) : tools_.end();
     if (entry == tools_.end())
-      return refuse(b.g_column[8], "E-TOOL",
+      return refuse(b.g_code(8) >= 0 ? b.g_column[8] : b.column_of('D'), "E-TOOL",
                     number ? fmt::format("tool {} is not in the tool table", *number)
                            : std::string("G43 without H, and no tool is loaded"),
                     "its offset moves the machine", "give the tool table with --tools");
@@ -380,6 +393,11 @@ bool Control::non_modal() {
       }
       go_home(block_->g_code(0));
       return true;
+    case 521:
+    case 522:
+    case 681:
+    case 682:
+      return make_frame(block_->g_code(0));
     case 520:
     case 920:
     case 921:
@@ -528,8 +546,8 @@ bool Control::stops() {
   for (const int group : {7, 8, 9, 5, Block::kStops})
     if ((block_->m_after >> group & 1) != 0 && !m_code(group)) return false;
   const int code = block_->m_code(Block::kStops);
-  ended_ = code == 2 || code == 30;
-  return true;
+  ended_ = code == 2 || code == 17 || code == 30;
+  return code < 98 || change_flow(code);
 }
 
 bool Control::leftovers() {

@@ -54,10 +54,13 @@ class Control {
   [[nodiscard]] bool tcp() const { return tcp_; }
   [[nodiscard]] bool inch() const { return unit_ != 1; }
   [[nodiscard]] bool ended() const { return ended_; }
+  /// The subprogram that the block calls, 0: none, -1: the running one ends. Asked once per block.
+  [[nodiscard]] int flow() const { return flow_; }
+  void flow_followed() { flow_ = 0; }
 
  private:
-  bool refuse(std::size_t column, const char* code, std::string message, std::string why, std::string fix);
-  bool refuse_at(char letter, const char* code, std::string message, std::string why, std::string fix);
+  [[gnu::cold]] bool refuse(std::size_t column, const char* code, std::string message, std::string why, std::string fix);
+  [[gnu::cold]] bool refuse_at(char letter, const char* code, std::string message, std::string why, std::string fix);
   bool use(char letter);  ///< false (refused) if another code already used this word
   bool use_all(Letters letters);
   bool execute_settled();
@@ -75,6 +78,9 @@ class Control {
   bool tool_codes(int code);
   bool modes();  // plane .. G98/G99
   bool tool_offset(int code);
+  bool edge();
+  bool select_tool();
+  bool make_frame(int code);
   bool non_modal();  // G10 G28 G30 G52 G92
   bool set_system();
   bool set_g92(int code);
@@ -91,6 +97,7 @@ class Control {
   bool extras(bool after);
   bool m_code(int group);
   bool stops();
+  bool change_flow(int code);
   bool leftovers();
 
   // control_turns.cpp
@@ -124,11 +131,13 @@ class Control {
   std::optional<double> cycle_r_, cycle_z_, cycle_p_, cycle_q_;
   std::optional<double> cycle_level_;  ///< p along the cycle's axis before the first block of the sequence
   bool ended_ = false;
+  int flow_ = 0;
   const Rotary* rotary_;
   Turns turns_{};             ///< rad, counted through whole turns
   Axes unknown_turns_ = 0;    ///< bits 0 1 2 = A B C
   Axes commanded_turns_ = 0;  ///< named by some block so far
   bool tcp_ = false;
+  bool edge_stated_;  ///< which tool offset is in force does not depend on the control's settings
 
   // What the block did.
   std::array<Event, Block::kMaxComments + 40> events_;

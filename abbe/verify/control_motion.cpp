@@ -62,6 +62,9 @@ void Control::begin_motion(MotionKind kind) {
 
 bool Control::move() {
   if (motion_code_ < 0) return true;
+  if (!edge_stated_) [[unlikely]]
+    return refuse(1, "E-TOOL", "a motion before D says which tool offset is in force",
+                  "the control's settings decide it otherwise", "write D1, or D0");
   const bool feeds = motion_code_ != 0;
   if (feeds && feed_mode_ == 930) {
     if (motion_code_ > 30)
@@ -88,11 +91,15 @@ bool Control::move() {
 
 bool Control::straight() {
   begin_motion(motion_code_ == 0 ? MotionKind::rapid : MotionKind::line);
-  if (!read_turns(block_->g_code(0) == 530)) return false;
+  const bool turns = (block_->words & letters('A', 'B', 'C')) != 0;
+  if (turns && !read_turns(block_->g_code(0) == 530)) return false;
   if (block_->g_code(0) == 530) {
     if (tcp_ && (motion_.named | motion_.named_turns) != 0)
       return refuse(block_->g_column[0], "E-TCP", "machine coordinates while tool centre point control is on",
                     "controls differ on what they mean then", "switch it off before");
+    if (profile_.tools.in_machine_coordinates && frames_.tool_offset != Vec3::Zero())
+      return refuse(block_->g_column[0], "E-G53", "machine coordinates with a tool offset",
+                    "this control takes the tip there, not the axes", "write D0 in the block");
     motion_.machine_words = true;
     for (int i = 0; i < 3; ++i)
       if ((motion_.named >> i & 1) != 0) m_.at[i] = motion_.words[i];

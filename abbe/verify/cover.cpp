@@ -125,7 +125,7 @@ void Comparison::cover(const Motion& original) {
 /// One motion of the output; true if the original is covered or no further piece makes sense.
 bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   const Motion& original = cover.motion;
-  if (!check_turns(original, piece)) return true;
+  if (model_.rotary().any() && !check_turns(original, piece)) return true;
   if (original_.deletable() != output_.deletable())
     disagree("V-EVENT", "one of the blocks can be deleted with '/', the other not");
   const double piece_length = length_of(piece);
@@ -137,7 +137,8 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
     if (deviation.squaredNorm() > cover.allowed * cover.allowed) cover.excess = deviation.norm() - cover.allowed;
     if (!cover.by_parameter) cover.last_s = cover.path.foot(cover.tip).s;
   }
-  if (piece_length < kNoMotion && cover.length >= kNoMotion) {
+  // both ends of a motion no longer than its digits may be rounded to one point
+  if (piece_length < kNoMotion && cover.length >= kNoMotion && !(first && cover.length <= 2 * quantum())) {
     disagree("V-EXTRA", "a feed motion of no length that the original does not have");
     return stop_;
   }
@@ -170,8 +171,9 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   const int n = static_cast<int>(std::clamp(intervals, 1.0, kMaxIntervals));
   const auto error_of = [&](const Vec3& tip, const Vec3& command) { return Vec3(tip - model_.nominal(command)); };
   Vec3 error = looks_inside ? error_of(cover.tip, piece.start.at) : Vec3(Vec3::Zero());
+  double from = 0;
   for (int k = 1; k <= n; ++k) {
-    const double from = static_cast<double>(k - 1) / n, to = static_cast<double>(k) / n;
+    const double to = k == n ? 1 : static_cast<double>(k) / n;
     const Vec3 command = k == n ? piece.end.at : point_at(piece, to);
     if (job_.reversal) follow_along(cover, to);
     const Vec3 tip = model_.actual(command, approach_, &cover.outside);
@@ -181,6 +183,7 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
       error = error_to;
     }
     account(cover, piece, to, command, tip);
+    from = to;
   }
   reached_ = {true, piece.end.at, cover.tip, approach_};
   if (piece.kind == MotionKind::line && cover.beyond_travel < 0) {

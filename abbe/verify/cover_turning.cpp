@@ -63,6 +63,7 @@ struct Comparison::TurnCover {
   double speed = 0;             ///< of the tip there, mm per unit of s
   double swing = 0;             ///< of the tool axis there, rad per unit of s
   Vec3 start = Vec3::Zero(), end = Vec3::Zero();  ///< points of the output
+  Turns turns_start{};                            ///< of the output
   double worst = 0, worst_s = 0, worst_back = 0, shortfall = 0;
   double excess = 0;            ///< a start that was not corrected: may fade out
   double time = 0;
@@ -152,6 +153,7 @@ bool Comparison::turn_piece(TurnCover& cover, const Motion& piece) {
   const double s_before = first ? 0 : std::clamp(cover.s, 0.0, 1.0);
   if (first) {
     cover.start = piece.start.at;
+    cover.turns_start = piece.turns_start;
     const double off = (done(cover, piece, 0).position - meant(cover, 0).position).norm();
     cover.excess = std::max(0.0, off - cover.allowed);
     const double askew = angle_between(done(cover, piece, 0).tool_axis, meant(cover, 0).tool_axis);
@@ -168,10 +170,13 @@ bool Comparison::turn_piece(TurnCover& cover, const Motion& piece) {
   if (cover.beyond_travel < 0) cover.beyond_travel = model_.beyond_travel(piece.end.at, &cover.beyond_at);
 
   double square = 0;
-  const double turn_left = 1 - turn_share(original, piece.turns_end, square);
+  // a correction that is the same at both ends is no turn that is missing
+  Turns since_start = original.turns_start;
+  for (std::size_t k = 0; k < 3; ++k) since_start[k] += piece.turns_end[k] - cover.turns_start[k];
+  const double turn_left = std::min(std::abs(1 - turn_share(original, piece.turns_end, square)), std::abs(1 - turn_share(original, since_start, square)));
   const bool still = cover.speed < kStill;
   cover.shortfall = (1 - cover.s) * (still ? 0 : cover.speed);
-  const double turn_missing = std::abs(turn_left) * std::sqrt(square);
+  const double turn_missing = turn_left * std::sqrt(square);
   const bool turned_round = turn_missing < std::min(kMaxTurn, kBehind * std::sqrt(square)) &&
                             angle_between(done(cover, piece, 1).tool_axis, meant(cover, 1).tool_axis) <= direction_allowed(original, cover.askew);
   const bool complete = still ? turned_round : cover.shortfall <= cover.allowed;

@@ -94,7 +94,7 @@ std::vector<Mutation> mutations() {
   return all;
 }
 
-class Mutated : public testing::TestWithParam<Mutation> {};
+class Mutated : public ::testing::TestWithParam<Mutation> {};
 
 TEST_P(Mutated, IsFound) {
   const Mutation& m = GetParam();
@@ -111,12 +111,12 @@ TEST_P(Mutated, IsFound) {
   if (*m.code != '\0') {
     EXPECT_EQ(report.diagnostics.front().code, m.code) << texts(report);
   } else {
-    EXPECT_THAT(report.diagnostics.front().code, testing::AnyOf("V-PATH", "V-END", "V-CYCLE"))
+    EXPECT_THAT(report.diagnostics.front().code, ::testing::AnyOf("V-PATH", "V-END", "V-CYCLE"))
         << texts(report);
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Mutated, testing::ValuesIn(mutations()),
+INSTANTIATE_TEST_SUITE_P(All, Mutated, ::testing::ValuesIn(mutations()),
                          [](const auto& test) { return std::string(test.param.name); });
 
 /// Digits as coarse as 20 um: every single coordinate changed is found. Where two arcs of one circle meet may

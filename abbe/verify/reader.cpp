@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "abbe/verify/block.h"
 #include "abbe/verify/control.h"
@@ -28,11 +30,42 @@ bool is_header_comment(std::string_view comment) {
   return trimmed(comment).substr(0, 4) == "ABBE";
 }
 
+/// A subprogram: its lines without their ends, from "O2000" on.
+struct Call {
+  std::uint64_t first = 0;  ///< number of the line "O2000"
+  std::vector<std::string> lines;
+  std::size_t at = 0;       ///< the current one
+};
+
+/// Empty if the number does not stand at the start of exactly one line.
+Call lines_of_subprogram(const std::string& path, int number) {
+  constexpr std::size_t most = 200000;
+  Call call;
+  auto opened = LineReader::open(path, false);
+  if (std::holds_alternative<FileError>(opened)) return call;
+  auto& lines = std::get<LineReader>(opened);
+  bool taking = false;
+  while (const auto next = lines.next()) {
+    const std::string_view text = without_eol(*next), words = trimmed(text);
+    const bool names = !words.empty() && (words[0] == 'O' || words[0] == 'o');
+    if (names || (!words.empty() && words[0] == '%')) {
+      const auto digits = words.substr(1, words.find_first_not_of("0123456789", 1) - 1);
+      taking = names && !digits.empty() && digits.size() < 9 && std::stoi(std::string(digits)) == number;
+      if (taking && !call.lines.empty()) return {};
+      if (taking) call.first = lines.line_number();
+    }
+    if (!taking) continue;
+    if (lines.too_long() || call.lines.size() == most) return {};
+    call.lines.emplace_back(text);
+  }
+  return call;
+}
+
 }  // namespace
 
 struct ProgramReader::State {
-  State(LineReader reader, std::string file_name, const ControlSetup& setup, const Options& choice)
-      : lines(std::move(reader)), name(std::move(file_name)), options(choice), control(setup, choice.rotary) {}
+  State(LineReader reader, const std::string& file, std::string file_name, const ControlSetup& setup, const Options& choice)
+      : lines(std::move(reader)), path(file), name(std::move(file_name)), options(choice), control(setup, choice.rotary) {}
 
   Item next() {
     while (!refused) {
@@ -58,6 +91,11 @@ struct ProgramReader::State {
         }
         has_block = false;
         in_tail = control.ended();
+        if (control.flow() != 0) [[unlikely]] {
+          follow_flow(control.flow());
+          control.flow_followed();
+          continue;
+        }
       }
       if (at_end) return Item::end;
       read_line();
@@ -65,11 +103,54 @@ struct ProgramReader::State {
     return Item::refused;
   }
 
+  /// Enters the subprogram, or leaves the running one.
+  void follow_flow(int flow) {
+    const auto refuse_flow = [&](const char* message) {
+      fault = {"E-OWORD", 1, 1, message, "what the control does then is not known", "call subprograms that stand behind the program in its file"};
+      refuse();
+    };
+    if (flow < 0) {
+      if (calls.empty()) return refuse_flow("M99 where no subprogram runs");
+      ran.emplace_back(calls.back().first, line() + 1);
+      calls.pop_back();
+      return;
+    }
+    constexpr std::size_t deepest = 4;
+    if (calls.size() == deepest) return refuse_flow("too many subprograms inside each other");
+    Call call = lines_of_subprogram(path, flow);
+    if (call.lines.empty()) return refuse_flow("a subprogram that is not in this file once");
+    calls.push_back(std::move(call));
+    text = calls.back().lines.front();
+    report(EventKind::comment);
+    single.text = text;
+  }
+
+  /// The next line of the running subprogram.
+  void read_called_line() {
+    Call& call = calls.back();
+    deletable = false;
+    if (++call.at == call.lines.size()) {
+      fault = {"E-OWORD", 1, 1, "a subprogram without M99", "where the program goes on is not known", "end it with M99"};
+      return refuse();
+    }
+    text = call.lines[call.at];
+    read_text();
+  }
+
   void read_line() {
+    if (!calls.empty()) [[unlikely]] return read_called_line();
     if (++row == rows && !read_rows()) return;
     text = texts[row];
     deletable = false;
-    if (in_tail) return report(EventKind::after_end);
+    if (in_tail) {
+      for (const auto& [first, end] : ran)
+        if (line() >= first && line() < end) return;  // it ran, and was looked at then
+      return report(EventKind::after_end);
+    }
+    read_text();
+  }
+
+  void read_text() {
     if (at_start) {  // tape leader
       text.remove_prefix(std::min(text.find_first_not_of('\0'), text.size()));
       if (text.empty()) return;
@@ -185,7 +266,10 @@ struct ProgramReader::State {
     return true;
   }
 
-  [[nodiscard]] std::uint64_t line() const { return lines.line_number() - (rows == 0 ? 0 : rows - 1 - row); }
+  [[nodiscard]] std::uint64_t line() const {
+    if (!calls.empty()) [[unlikely]] return calls.back().first + calls.back().at;
+    return lines.line_number() - (rows == 0 ? 0 : rows - 1 - row);
+  }
 
   void report(EventKind kind) {
     single = Event{};
@@ -216,7 +300,7 @@ struct ProgramReader::State {
   }
 
   LineReader lines;
-  std::string name;
+  std::string path, name;
   Options options;
   Control control;
   Fault fault;
@@ -238,6 +322,9 @@ struct ProgramReader::State {
   bool motion_given = false;
   const Event* current = nullptr;
 
+  std::vector<Call> calls;  ///< the subprograms now running, the innermost last
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> ran;  ///< lines of all that ran: first, behind the last
+
   bool at_start = true;     ///< only NUL bytes so far
   bool first_line = true;   ///< only blank lines so far
   bool first_block = true;  ///< no block with words so far
@@ -258,7 +345,7 @@ FileResult<ProgramReader> ProgramReader::open(const std::string& path, const std
                                               const ControlSetup& setup, const Options& options) {
   auto lines = LineReader::open(path, options.hashed);
   if (auto* error = std::get_if<FileError>(&lines)) return std::move(*error);
-  return ProgramReader(std::make_unique<State>(std::move(std::get<LineReader>(lines)), name, setup, options));
+  return ProgramReader(std::make_unique<State>(std::move(std::get<LineReader>(lines)), path, name, setup, options));
 }
 
 ProgramReader::Item ProgramReader::next() { return state_->next(); }

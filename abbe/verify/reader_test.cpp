@@ -6,10 +6,12 @@
 #include <cstdio>
 #include <numbers>
 
-#include "abbe/verify/test_files.h"
+#include "abbe/core/test_files.h"
 
 namespace abbe::verifying {
 namespace {
+
+using abbe::testing::TestFile;
 
 constexpr double kExact = 1e-12;  // mm
 
@@ -203,7 +205,7 @@ struct Refusal {
   std::size_t line, column;
 };
 
-class Refuses : public testing::TestWithParam<Refusal> {};
+class Refuses : public ::testing::TestWithParam<Refusal> {};
 
 TEST_P(Refuses, WithCodeAndPlace) {
   const Refusal& r = GetParam();
@@ -219,31 +221,32 @@ TEST_P(Refuses, WithCodeAndPlace) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, Refuses,
-    testing::Values(Refusal{"G0 X1\nG1 X\x80 F1\n", "E-NUMBER", 2, 4},
-                    Refusal{"G0 X1 \x80\n", "E-CHAR", 1, 7}, Refusal{"G0 X1 (a\n", "E-COMMENT", 1, 7},
-                    Refusal{"G0 (a(b) X1\n", "E-COMMENT", 1, 6}, Refusal{"G0 X#1\n", "E-EXPR", 1, 5},
-                    Refusal{"#1=2\n", "E-EXPR", 1, 1}, Refusal{"G0 X[1]\n", "E-EXPR", 1, 5},
-                    Refusal{"G1 A10 F1\n", "E-ROTARY", 1, 4}, Refusal{"G1 U10 F1\n", "E-AXIS", 1, 4},
-                    Refusal{"G1 X1 E1\n", "E-WORD", 1, 7}, Refusal{"G0 X1E2\n", "E-WORD", 1, 6},
-                    Refusal{"G41 D1\n", "E-CUTCOM", 1, 1}, Refusal{"G5 X1\n", "E-GCODE", 1, 1},
-                    Refusal{"M98 P1\n", "E-MCODE", 1, 1}, Refusal{"O1 sub\n", "E-NUMBER", 1, 4},
-                    Refusal{"O1 G0\n", "E-OWORD", 1, 1}, Refusal{"G0\nO2\n", "E-OWORD", 2, 1},
-                    Refusal{"G0 X1 X2\n", "E-BLOCK", 1, 7}, Refusal{"G0 G1 X1\n", "E-BLOCK", 1, 4},
-                    Refusal{"M3 M4\n", "E-BLOCK", 1, 4}, Refusal{"X1\n", "E-MODE", 1, 1},
-                    Refusal{"G0 X1 I2\n", "E-WORD", 1, 7}, Refusal{"G0 X1 H2\n", "E-WORD", 1, 7},
-                    Refusal{"G55 G0 X1\n", "E-WCS", 1, 1}, Refusal{"G91 G10 L2 P1 X1\n", "E-G10", 1, 9},
-                    Refusal{"G10 L1 P1 Z1\n", "E-G10", 1, 5}, Refusal{"G28 X0\nG1 X5 F1\n", "E-POS", 2, 1},
-                    Refusal{"G28 X0\nG92 X5\n", "E-POS", 2, 1}, Refusal{"G0 X0 Y0 Z0\nT1 M6\nG1 X5 F1\n", "E-POS", 3, 1}, Refusal{"G43 H7\n", "E-TOOL", 1, 1},
-                    Refusal{"M6\n", "E-TOOL", 1, 1}, Refusal{"G91 G53 G0 X1\n", "E-G53", 1, 5},
-                    Refusal{"G53 G2 X1 I1\n", "E-G53", 1, 1}, Refusal{"G1 F1\nG2 X1 Y1\n", "E-ARC", 2, 1},
-                    Refusal{"G2 X0 Y0 R5 F1\n", "E-ARC", 1, 10}, Refusal{"G2 X10 Y0 I4 F1\n", "E-ARC", 1, 1},
-                    Refusal{"G2 X10 R4.9 F1\n", "E-ARC", 1, 8}, Refusal{"G81 X1 Z-1\n", "E-CYCLE", 1, 1},
-                    Refusal{"G81 Z1 R0\n", "E-CYCLE", 1, 1}, Refusal{"G83 Z-1 R0 Q0\n", "E-CYCLE", 1, 12},
-                    Refusal{"G93 G1 X1\n", "E-FEED", 1, 1}, Refusal{"G4 P1 X1\n", "E-MODE", 1, 7},
-                    Refusal{"G92 X1 G1\n", "E-BLOCK", 1, 1}, Refusal{"G4 P1 M62 P1\n", "E-BLOCK", 1, 11},
-                    Refusal{"X1 . 5 . 2\n", "E-NUMBER", 1, 8},
-                    Refusal{"N1 G0 X99999999999\n", "E-NUMBER", 1, 7}, Refusal{"G0 X1 N5\n", "E-BLOCK", 1, 7},
-                    Refusal{"G0 /X1\n", "E-CHAR", 1, 4}, Refusal{"G0 X1\r\rY2\n", "E-CHAR", 1, 6}));
+    ::testing::Values(
+        Refusal{"G0 X1\nG1 X\x80 F1\n", "E-NUMBER", 2, 4}, Refusal{"G0 X1 \x80\n", "E-CHAR", 1, 7},
+        Refusal{"G0 X1 (a\n", "E-COMMENT", 1, 7}, Refusal{"G0 (a(b) X1\n", "E-COMMENT", 1, 6},
+        Refusal{"G0 X#1\n", "E-EXPR", 1, 5}, Refusal{"#1=2\n", "E-EXPR", 1, 1},
+        Refusal{"G0 X[1]\n", "E-EXPR", 1, 5}, Refusal{"G1 A10 F1\n", "E-ROTARY", 1, 4},
+        Refusal{"G1 U10 F1\n", "E-AXIS", 1, 4}, Refusal{"G1 X1 E1\n", "E-WORD", 1, 7},
+        Refusal{"G0 X1E2\n", "E-WORD", 1, 6}, Refusal{"G41 D1\n", "E-CUTCOM", 1, 1},
+        Refusal{"G5 X1\n", "E-GCODE", 1, 1}, Refusal{"M98 P1\n", "E-MCODE", 1, 1},
+        Refusal{"O1 sub\n", "E-NUMBER", 1, 4}, Refusal{"O1 G0\n", "E-OWORD", 1, 1},
+        Refusal{"G0\nO2\n", "E-OWORD", 2, 1}, Refusal{"G0 X1 X2\n", "E-BLOCK", 1, 7},
+        Refusal{"G0 G1 X1\n", "E-BLOCK", 1, 4}, Refusal{"M3 M4\n", "E-BLOCK", 1, 4},
+        Refusal{"X1\n", "E-MODE", 1, 1}, Refusal{"G0 X1 I2\n", "E-WORD", 1, 7},
+        Refusal{"G0 X1 H2\n", "E-WORD", 1, 7}, Refusal{"G55 G0 X1\n", "E-WCS", 1, 1},
+        Refusal{"G91 G10 L2 P1 X1\n", "E-G10", 1, 9}, Refusal{"G10 L1 P1 Z1\n", "E-G10", 1, 5},
+        Refusal{"G28 X0\nG1 X5 F1\n", "E-POS", 2, 1}, Refusal{"G28 X0\nG92 X5\n", "E-POS", 2, 1},
+        Refusal{"G0 X0 Y0 Z0\nT1 M6\nG1 X5 F1\n", "E-POS", 3, 1}, Refusal{"G43 H7\n", "E-TOOL", 1, 1},
+        Refusal{"M6\n", "E-TOOL", 1, 1}, Refusal{"G91 G53 G0 X1\n", "E-G53", 1, 5},
+        Refusal{"G53 G2 X1 I1\n", "E-G53", 1, 1}, Refusal{"G1 F1\nG2 X1 Y1\n", "E-ARC", 2, 1},
+        Refusal{"G2 X0 Y0 R5 F1\n", "E-ARC", 1, 10}, Refusal{"G2 X10 Y0 I4 F1\n", "E-ARC", 1, 1},
+        Refusal{"G2 X10 R4.9 F1\n", "E-ARC", 1, 8}, Refusal{"G81 X1 Z-1\n", "E-CYCLE", 1, 1},
+        Refusal{"G81 Z1 R0\n", "E-CYCLE", 1, 1}, Refusal{"G83 Z-1 R0 Q0\n", "E-CYCLE", 1, 12},
+        Refusal{"G93 G1 X1\n", "E-FEED", 1, 1}, Refusal{"G4 P1 X1\n", "E-MODE", 1, 7},
+        Refusal{"G92 X1 G1\n", "E-BLOCK", 1, 1}, Refusal{"G4 P1 M62 P1\n", "E-BLOCK", 1, 11},
+        Refusal{"X1 . 5 . 2\n", "E-NUMBER", 1, 8}, Refusal{"N1 G0 X99999999999\n", "E-NUMBER", 1, 7},
+        Refusal{"G0 X1 N5\n", "E-BLOCK", 1, 7}, Refusal{"G0 /X1\n", "E-CHAR", 1, 4},
+        Refusal{"G0 X1\r\rY2\n", "E-CHAR", 1, 6}));
 
 TEST(Reader, LongestLineIsReadLongerOneRefused) {
   const std::string fits = "G0 X1 (" + std::string(246, 'a') + ")";

@@ -12,12 +12,15 @@ namespace abbe::verifying {
 class Rotary {
  public:
   explicit Rotary(const Machine& machine)
-      : control_(machine.control), axes_(addressed_axes(machine)), kinematics_(machine, axes_) {}
+      : control_(machine.control),
+        axes_(addressed_axes(machine)),
+        kinematics_(machine, axes_),
+        any_(has(0) || has(1) || has(2)) {}
 
   [[nodiscard]] bool declared() const { return control_.declared; }
   [[nodiscard]] bool starts_with_tcp() const { return control_.tcp; }
   [[nodiscard]] bool has(int letter) const { return axes_.rotary[static_cast<std::size_t>(letter)] >= 0; }
-  [[nodiscard]] bool any() const { return has(0) || has(1) || has(2); }
+  [[nodiscard]] bool any() const { return any_; }
   [[nodiscard]] std::span<const TcpCode> codes() const { return control_.codes; }
   [[nodiscard]] const AddressedAxes& axes() const { return axes_; }
   [[nodiscard]] const ControlKinematics& kinematics() const { return kinematics_; }
@@ -32,6 +35,7 @@ class Rotary {
   ControlModel control_;
   AddressedAxes axes_;
   ControlKinematics kinematics_;
+  bool any_;
 };
 
 }  // namespace abbe::verifying

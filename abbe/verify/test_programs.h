@@ -3,19 +3,22 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <string>
 #include <vector>
 
+#include "abbe/chain/test_plan.h"
 #include "abbe/core/number.h"
-#include "abbe/machine/read_machine.h"
-#include "abbe/verify/test_files.h"
+#include "abbe/core/test_files.h"
 #include "abbe/verify/verify.h"
 
 /// Programs drawn twice for the tests of the comparison: as the original means them, and as a machine whose
 /// errors can be inverted on paper must be told them.
 namespace abbe::verifying {
+
+using abbe::testing::kPerfect;
+using abbe::testing::plan_of;
+using abbe::testing::TestFile;
 
 // A machine of three linear axes whose correction can be written down:
 //   tip = (x + kScale x, y + kBow x^2, z + kShiftZ)
@@ -38,25 +41,6 @@ EXX = { poly = [0, 0.1] }
 EYX = { poly = [0, 0, 0.001] }
 EZZ = 7
 )";
-
-inline const char* const kPerfect = R"(format = 1
-[machine]
-name = "perfect"
-chain = "w b X Y Z t"
-[axis.X]
-[axis.Y]
-[axis.Z]
-)";
-
-inline Plan plan_of(const std::string& text) {
-  auto machine =
-      read_machine({"m.toml", text}, std::nullopt, [](const std::string&) { return std::nullopt; });
-  if (!machine.value) {
-    for (const Diagnostic& d : machine.diagnostics) ADD_FAILURE() << to_text(d);
-    std::abort();
-  }
-  return std::get<Plan>(make_plan(*machine.value, {}));
-}
 
 /// Writes points as the original means them, or as this machine must be told them.
 class Pen {

@@ -158,7 +158,7 @@ int TipModel::beyond_travel(const Vec3& m, double* at) const {
   };
   for (std::size_t k = 0; k < 3; ++k)
     if (leaves(axes[static_cast<Eigen::Index>(k)], travel_[k])) return static_cast<int>(k);
-  for (int k = 0; k < 3; ++k) {
+  for (int k = 0; rotary_.any() && k < 3; ++k) {
     if (!rotary_.has(k)) continue;
     const auto i = static_cast<std::size_t>(k);
     if (leaves(query_.q[static_cast<std::size_t>(rotary_.axes().rotary[i])], turn_travel_[i])) return 3 + k;

@@ -1,17 +1,18 @@
 // Programs with rotary axes: what must be the same, and every way in which an output can be wrong.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <unistd.h>
 
-#include <cstdio>
-#include <fstream>
 #include <string>
 
-#include "abbe/machine/read_machine.h"
+#include "abbe/chain/test_plan.h"
+#include "abbe/core/test_files.h"
 #include "abbe/verify/verify.h"
 
 namespace abbe {
 namespace {
+
+using testing::plan_of;
+using testing::TestFile;
 
 const char* const kMachine = R"(
 format = 1
@@ -46,30 +47,21 @@ M30
 
 class Pair {
  public:
-  explicit Pair(const std::string& machine = kMachine) {
-    const auto read = read_machine({"machine.toml", machine}, std::nullopt, {});
-    EXPECT_TRUE(read.value) << (read.diagnostics.empty() ? "" : to_text(read.diagnostics.front()));
-    machine_ = *read.value;
-  }
+  explicit Pair(const std::string& machine = kMachine) : plan_(plan_of(machine)) {}
   VerifyReport judge(const std::string& original, const std::string& output) const {
-    const std::string stem = ::testing::TempDir() + "abbe_turning_" + std::to_string(::getpid());
-    std::ofstream(stem + ".a") << original;
-    std::ofstream(stem + ".b") << output;
+    const TestFile a(original), b(output);
     VerifyJob job;
-    job.original_path = stem + ".a";
-    job.output_path = stem + ".b";
+    job.original_path = a.path();
+    job.output_path = b.path();
     job.original_name = "original.ngc";
     job.output_name = "output.ngc";
     job.setup.work_offsets[0] = WorkOffset{};
     job.setup.tools[1] = ToolEntry{1, 1, {0, 0, 100}, 100.0, 10, ""};
-    const VerifyReport report = verify_program(std::get<Plan>(make_plan(machine_, {})), job);
-    std::remove((stem + ".a").c_str());
-    std::remove((stem + ".b").c_str());
-    return report;
+    return verify_program(plan_, job);
   }
 
  private:
-  Machine machine_;
+  Plan plan_;
 };
 
 std::string codes(const VerifyReport& report) {
@@ -137,6 +129,15 @@ TEST(TurningPrograms, TheOtherWayRoundIsFound) {
   EXPECT_TRUE(Pair(machine).judge(program, program).agrees);
   const VerifyReport report = Pair(machine).judge(program, changed(program, "C-10.", "C10."));
   EXPECT_FALSE(report.agrees);
+}
+
+// C stands 0.0005 degrees too far everywhere: a tenth of the turn of one block, and no part of it is missing.
+TEST(TurningPrograms, ACorrectionAsLargeAsTheTurnIsNoMissingPart) {
+  const std::string machine = changed(kMachine, "direction = [0, 0, 1]\n", "direction = [0, 0, 1]\nerrors_seen = \"body\"\n") + "[errors]\nECC = 8.72664626\n";
+  const std::string start = "G21 G90 G94 G17 G54\n";
+  const VerifyReport report = Pair(machine).judge(start + "G0 X0 Y0 Z50 A10 C10.\nG1 C20. F100\nC20.005\nC21.\nM2\n",
+                                                  start + "G0 X0 Y0 Z50 A10 C9.9995\nG1 C19.9995 F100\nC20.0045\nC20.9995\nM2\n");
+  EXPECT_TRUE(report.agrees) << (report.diagnostics.empty() ? "" : to_text(report.diagnostics.front()));
 }
 
 TEST(TurningPrograms, WithoutADeclaredModeTheyAreRefused) {

@@ -1,5 +1,6 @@
 #include "abbe/verify/verify.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,7 +10,7 @@
 namespace abbe::verifying {
 namespace {
 
-class GoodPair : public testing::TestWithParam<Pair> {};
+class GoodPair : public ::testing::TestWithParam<Pair> {};
 
 TEST_P(GoodPair, Agrees) {
   const VerifyReport report = verify_drawn(GetParam().draw);
@@ -53,7 +54,7 @@ EZZ = -7
   EXPECT_FALSE(report.agrees);
 }
 
-INSTANTIATE_TEST_SUITE_P(All, GoodPair, testing::ValuesIn(good_pairs()),
+INSTANTIATE_TEST_SUITE_P(All, GoodPair, ::testing::ValuesIn(good_pairs()),
                          [](const auto& test) { return std::string(test.param.name); });
 
 TEST(Verify, InchesHaveTheirOwnDigits) {
@@ -70,6 +71,12 @@ TEST(Verify, InchesHaveTheirOwnDigits) {
   const VerifyReport good = verify(plan_of(kMachine), draw(Pen(false, inch)), draw(Pen(true, inch)), loose);
   EXPECT_TRUE(good.agrees) << texts(good);
   EXPECT_NEAR(good.quantisation, 2 * std::sqrt(3.0) * 0.127 * um, 1e-9);
+}
+
+TEST(Verify, AMotionShorterThanItsDigitsMayVanish) {
+  const auto ends_at = [](const char* x) { return fmt::format("G21 G90 G0 X0 Y0 Z0\nG1 X10 F100\nX{}\nX20\nM2\n", x); };
+  EXPECT_TRUE(verify(plan_of(kPerfect), ends_at("10.0001"), ends_at("10.0000"), ideal_job()).agrees);
+  EXPECT_FALSE(verify(plan_of(kPerfect), ends_at("10.0009"), ends_at("10.0000"), ideal_job()).agrees);
 }
 
 TEST(Verify, SeesABowBetweenTheEnds) {

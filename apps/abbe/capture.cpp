@@ -2,6 +2,7 @@
 
 #include <iterator>
 #include <memory>
+#include <set>
 
 #include "abbe/capture/bus_reader.h"
 #include "abbe/capture/decode.h"
@@ -177,6 +178,23 @@ std::optional<DecodePlan> choose_columns(const CaptureArguments& arguments, cons
   return plan;
 }
 
+/// An axis whose drive has no signal is a mistyped station: its columns would have other names.
+void report_axes(const std::vector<ServoAxis>& axes, const ProcessMap& map, const std::string& file,
+                 Session& session) {
+  std::set<std::uint16_t> stations;
+  for (const PdoObject& o : map.objects) stations.insert(o.station);
+  std::vector<std::string> known;
+  for (const std::uint16_t station : stations) known.push_back(fmt::format("{}", station));
+  for (const ServoAxis& axis : axes) {
+    if (stations.count(axis.station) != 0) continue;
+    session.report(finding(
+        Severity::warning, "W-CAPTURE-MAP", file,
+        fmt::format("axis {}: no signal of a drive {} in the map ({})", axis.name, axis.station, map.origin),
+        fmt::format("no column is named or scaled for {}", axis.name),
+        fmt::format("slaves with signals: {}", listed(known))));
+  }
+}
+
 std::string report_json(const DecodeReport& r, const CaptureSurvey& survey, bool complete) {
   std::string text = fmt::format(
       ",\n\"row_count\":{},\"dropped\":{{\"short\":{},\"incomplete\":{},\"untimed\":{}}},\"bad_frames\":{},"
@@ -274,6 +292,7 @@ void capture(const CaptureArguments& arguments, Session& session) {
   if (!can_decode(survey, arguments.file, session)) return;
   const auto map = map_for(*given, survey, arguments.file, session);
   if (!map) return;
+  report_axes(given->axes, *map, arguments.file, session);
   const auto plan = choose_columns(arguments, *map, survey, session);
   const auto base = choose_time(arguments, survey, session);
   if (plan && base) decode(arguments, *plan, survey, *base, session);
@@ -287,21 +306,32 @@ Verb capture_verb(CLI::App& program, Session& session) {
   auto arguments = std::make_shared<CaptureArguments>();
   command->add_option("FILE", arguments->file, "capture, as Wireshark or tcpdump record it")->required();
   add_map_options(*command, arguments->map);
-  command->add_flag("--summary", arguments->summary, "what is in the capture, no signals");
-  command->add_flag("--datagrams", arguments->datagrams, "every datagram as a line of CSV");
+  // What these two print is all of it, and goes to standard output.
+  CLI::Option* summary =
+      command->add_flag("--summary", arguments->summary, "what is in the capture, no signals");
+  CLI::Option* datagrams =
+      command->add_flag("--datagrams", arguments->datagrams, "every datagram as a line of CSV")
+          ->excludes(summary);
   command->add_option("--columns", arguments->columns, "only these signals")
       ->type_name("NAME,..")
-      ->allow_extra_args(false);
+      ->allow_extra_args(false)
+      ->excludes(summary)
+      ->excludes(datagrams);
   command
       ->add_option("--time", arguments->time, "whose clock: recorder, esl (switch link), clock (of the bus)")
       ->check(CLI::IsMember({"recorder", "esl", "clock"}));
   command->add_flag("--keep-short", arguments->keep_short, "keep cycles in which a slave did not take part");
-  command->add_option("-o,--output", arguments->output, "file instead of standard output")->type_name("FILE");
+  command->add_option("-o,--output", arguments->output, "file instead of standard output")
+      ->type_name("FILE")
+      ->excludes(summary)
+      ->excludes(datagrams);
   command
       ->add_option("--format", arguments->format,
                    "csv, json, binary (else by the ending: .csv .json .abbecol)")
-      ->check(CLI::IsMember({"csv", "json", "binary"}));
-  command->add_flag("--json", arguments->json, "JSON on standard output");
+      ->check(CLI::IsMember({"csv", "json", "binary"}))
+      ->excludes(summary)
+      ->excludes(datagrams);
+  command->add_flag("--json", arguments->json, "JSON on standard output")->excludes(datagrams);
   command->add_flag("--strict", session.strict, "warnings end with exit code 4");
   return {command, [arguments, &session] { capture(*arguments, session); }};
 }

@@ -34,7 +34,8 @@ struct CommonArguments {
 /// Those that name the machine, and how to answer.
 void add_machine_options(CLI::App& verb, CommonArguments& arguments, Session& session);
 void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& session);
-/// --skew, --scale, --pitch as well: then MACHINE is left out. After add_machine_options or add_common_options.
+/// --skew, --scale, --pitch as well: then MACHINE is left out. After add_machine_options or
+/// add_common_options.
 void allow_quick_machine(CLI::App& verb, CommonArguments& arguments);
 
 /// `--at`, `--set`, `--gauge` and their like: "A=1,B=2" of one or several options, in order.
@@ -86,7 +87,8 @@ struct Setting {
 /// Reads everything the common options name; nullopt after reporting all mistakes.
 [[nodiscard]] std::optional<Setting> load_setting(const CommonArguments& arguments, Session& session);
 
-/// The same for verbs that move the machine: without the errors that its control corrects itself.
+/// The same for verbs that move the machine: without the errors that its control corrects itself; nullopt,
+/// too, after E-SCOPE for errors that are true of one test only.
 [[nodiscard]] std::optional<Setting> load_controlled_setting(const CommonArguments& arguments, Session& session);
 
 /// Reads a file, or standard input for "-"; nullopt after reporting why not.

@@ -1,9 +1,11 @@
 #include <fmt/core.h>
 
-#include <map>
+#include <cmath>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "abbe/core/units.h"
@@ -90,26 +92,60 @@ void evaluate_drift(const EvaluateArguments& arguments, Session& session) {
       text_of(file, *figures.value), json_of(file, *figures.value), session);
 }
 
-void evaluate_diagonals(const EvaluateArguments& arguments, Session& session) {
+/// Two sides for two face diagonals, three for four body diagonals.
+bool sides_count(const EvaluateArguments& arguments, Session& session) {
   const std::size_t count = arguments.files.size(), sides = arguments.sides.size();
-  if (!arguments.sides.empty() && !(count == 2 && sides == 2) && !(count == 4 && sides == 3)) {
-    session.report(option_error("--sides", fmt::format("{} sides for {} diagonals", sides, count),
-                                "two sides for two face diagonals (++, -+), three for four body diagonals "
-                                "(+++, -++, +-+, ++-)"));
-    return;
-  }
+  if (sides == 0 || (count == 2 && sides == 2) || (count == 4 && sides == 3)) return true;
+  session.report(option_error("--sides", fmt::format("{} sides for {} diagonals", sides, count),
+                              "two sides for two face diagonals (++, -+), three for four body diagonals "
+                              "(+++, -++, +-+, ++-)"));
+  return false;
+}
+
+/// Sides in another unit, or of another box, would scale the squareness: |sides| is the length of a diagonal.
+bool sides_fit(const EvaluateArguments& arguments, const RunTable& table, Session& session) {
+  constexpr double kSlack = 0.01;  // a squareness needs its sides no better
+  if (arguments.sides.empty()) return true;
+  double squares = 0;
+  for (const double side : arguments.sides) squares += side * side;
+  const double length = table.targets.back() - table.targets.front(), box = std::sqrt(squares);
+  if (std::abs(length - box) <= kSlack * box) return true;
+  session.report(option_error(
+      "--sides",
+      fmt::format("{} is {:.6g} mm long, the diagonal of the sides {:.6g} mm", table.file, length, box),
+      "lengths in mm along the axes that the diagonals span"));
+  return false;
+}
+
+/// The diagonals in the order given. The same readings twice are one diagonal under two names: their
+/// difference, of which the squareness is made, would be 0.
+std::optional<std::vector<RunTable>> load_diagonals(const EvaluateArguments& arguments, Session& session) {
   std::vector<RunTable> tables;
+  std::set<std::string> readings;
   for (const std::string& file : arguments.files) {
     std::optional<RunTable> table = load_runs(arguments, file, session);
-    if (!table || !quantity_fits("diagonals", *table, session)) return;
+    if (!table || !quantity_fits("diagonals", *table, session) || !sides_fit(arguments, *table, session))
+      return std::nullopt;
+    if (!readings.insert(write_runs(*table)).second) {
+      session.report(option_error("FILE", fmt::format("{} has the readings of a file before it", file),
+                                  "each diagonal is a measurement of its own"));
+      return std::nullopt;
+    }
     tables.push_back(std::move(*table));
   }
-  const DiagonalAnswer answer = answer_of_diagonals(arguments.files, tables, arguments.sides);
-  if (!arguments.svg.empty() && count != 1) {
+  return tables;
+}
+
+void evaluate_diagonals(const EvaluateArguments& arguments, Session& session) {
+  if (!arguments.svg.empty() && arguments.files.size() != 1) {
     session.report(option_error("--svg", "a figure shows one diagonal", "evaluate each by itself"));
     return;
   }
-  finish(arguments, arguments.svg.empty() ? "" : figure_of_runs(tables.front(), arguments.files.front(), {}),
+  if (!sides_count(arguments, session)) return;
+  const auto tables = load_diagonals(arguments, session);
+  if (!tables) return;
+  const DiagonalAnswer answer = answer_of_diagonals(arguments.files, *tables, arguments.sides);
+  finish(arguments, arguments.svg.empty() ? "" : figure_of_runs(tables->front(), arguments.files.front(), {}),
          text_of(answer), json_of(answer), session);
 }
 

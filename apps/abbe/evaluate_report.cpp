@@ -266,7 +266,9 @@ std::string text_of(const DiagonalAnswer& answer) {
   }
   text += fmt::format("  E_d {:.3f} um   B_d {:.3f} um\n", answer.figures.E_d / um, answer.figures.B_d / um);
   if (answer.face)
-    text += fmt::format("squareness {:+.3f} urad (first-order, linear errors alike)\n", *answer.face / urad);
+    text += fmt::format(
+        "squareness {:+.3f} urad = EC0Y of XY, EA0Z of YZ, -EB0Z of ZX (first order, linear errors alike)\n",
+        *answer.face / urad);
   if (answer.box)
     text += fmt::format("squareness C0Y {:+.3f}  B0Z {:+.3f}  A0Z {:+.3f} urad; all longer by {:+.3f} um\n",
                         answer.box->C0Y / urad, answer.box->B0Z / urad, answer.box->A0Z / urad,

@@ -23,8 +23,8 @@ namespace {
 using Layout = JsonWriter::Layout;
 
 struct FilterArguments {
-  std::string file, output, format, circle, angles;
-  std::vector<std::string> columns, steps, delay;
+  std::string file, output, format, circle, angles, delay;
+  std::vector<std::string> columns, steps;
   std::optional<double> dt;
   bool json = false, sine = false;
 };
@@ -190,7 +190,7 @@ const FilteredColumn* find_column(const FilteredRecord& record, const std::strin
 }
 
 void report_delay(const FilterArguments& arguments, const FilteredRecord& record, Session& session) {
-  const auto names = split_list(arguments.delay.front());
+  const auto names = split_list(arguments.delay);
   if (names.size() != 2) {
     session.report(option_error("--delay", "two columns are needed", "--delay A,B"));
     return;
@@ -328,21 +328,30 @@ Verb filter_verb(CLI::App& program, Session& session) {
       ->allow_extra_args(false);
   command->add_option("--dt", arguments->dt, "seconds between samples, in place of the column t_s")
       ->check(CLI::PositiveNumber & finite_number());
-  command->add_flag("--sine", arguments->sine, "fit A sin(w t + phi) + c to each column");
-  command->add_option("--delay", arguments->delay, "by how much the second column is behind the first")
-      ->type_name("A,B")
-      ->allow_extra_args(false);
+  CLI::Option* sine = command->add_flag("--sine", arguments->sine, "fit A sin(w t + phi) + c to each column");
+  CLI::Option* delay =
+      command->add_option("--delay", arguments->delay, "by how much the second column is behind the first")
+          ->type_name("A,B")
+          ->excludes(sine);
   command
       ->add_option("--circle", arguments->circle,
                    "columns of a position that goes round, and its centre in mm")
-      ->type_name("X,Y[,CX,CY]");
+      ->type_name("X,Y[,CX,CY]")
+      ->excludes(sine)
+      ->excludes(delay);
   command->add_option("--angles", arguments->angles, "CSV with angle_deg: the rows at those angles")
       ->type_name("FILE");
-  command->add_option("-o,--output", arguments->output, "file instead of standard output")->type_name("FILE");
+  // What --sine and --delay find goes to standard output.
+  command->add_option("-o,--output", arguments->output, "file instead of standard output")
+      ->type_name("FILE")
+      ->excludes(sine)
+      ->excludes(delay);
   command
       ->add_option("--format", arguments->format,
                    "csv, json, binary (else by the ending: .csv .json .abbecol)")
-      ->check(CLI::IsMember({"csv", "json", "binary"}));
+      ->check(CLI::IsMember({"csv", "json", "binary"}))
+      ->excludes(sine)
+      ->excludes(delay);
   command->add_flag("--json", arguments->json, "JSON, with figures");
   command->add_flag("--strict", session.strict, "warnings end with exit code 4");
   return {command, [arguments, &session] { filter(*arguments, session); }};

@@ -8,6 +8,7 @@
 #include "abbe/core/units.h"
 #include "abbe/identify/errors_file.h"
 #include "abbe/identify/joint.h"
+#include "abbe/identify/joint_design.h"
 #include "ballbar_source.h"
 #include "circle_plan.h"
 #include "common.h"
@@ -37,6 +38,9 @@ void add_model_options(CLI::App& verb, IdentifyArguments& a) {
   verb.add_option("--straightness", a.terms.straightness, "powers of straightness errors, 0 = none (3)")
       ->check(order);
   verb.add_option("--rotation", a.terms.rotation, "powers of rotations, 0 = none (1)")->check(order);
+  verb.add_option("--splines", a.terms.splines,
+                  "positioning and straightness as splines with so many nodes over the tested travel")
+      ->check(CLI::Range(4, 40));
   verb.add_flag("--lateral-play", a.terms.lateral_play, "lost motion across the axes as well");
   verb.add_flag("--cross", a.terms.cross, "velocity and acceleration act across the axes as well");
   verb.add_flag("--no-lost-motion", a.no_lost_motion, "no lost motion");
@@ -78,6 +82,15 @@ bool solved_or_report(const Identification& found, Session& session) {
     case Status::no_axes:
       why.message = "an axis of a test is no linear axis of the machine";
       why.fix = "the axes X, Y, Z of the tests must be axes of the chain with these names";
+      break;
+    case Status::no_sign:
+      why.code = "E-ERRORS-SEEN";
+      why.message = "an axis of a test carries the workpiece, and the machine file has no errors_seen for it";
+      why.why =
+          "an error of the table itself and the error of the tool seen from the work have opposite signs";
+      why.fix =
+          "add errors_seen = \"body\" or \"tool\" to that axis before identifying; the errors are written as "
+          "it says";
       break;
     case Status::too_few_rows:
       why.message = "fewer samples than unknowns";
@@ -137,8 +150,29 @@ void run_joint(const IdentifyArguments& a, const Machine& machine, const std::ve
   session.out.write(json.take());
 }
 
+/// The published errors are those of the tool seen from the work. False after telling that the machine file
+/// states those of a table of the tests itself, or does not say: they have the opposite sign.
+bool errors_are_of_the_tool(const Machine& machine, const std::vector<BallbarTest>& tests, Session& session) {
+  for (const int i : moving_axes(machine, tests)) {
+    const Body& axis = machine.axis(i);
+    if (axis.branch == Branch::tool || axis.errors_seen_at_tool) continue;
+    Diagnostic why;
+    why.code = "E-ERRORS-SEEN";
+    why.place.file = "identify";
+    why.message = fmt::format("axis {} carries the workpiece, without errors_seen = \"tool\"", axis.name);
+    why.why =
+        "the published method finds errors of the tool seen from the work; those of the table itself have "
+        "the opposite sign";
+    why.fix = fmt::format("write errors_seen = \"tool\" into [axis.{}], or use --method joint", axis.name);
+    session.report(why);
+    return false;
+  }
+  return true;
+}
+
 void run_paper(const IdentifyArguments& a, const Machine& machine, const std::vector<BallbarTest>& tests,
                Session& session) {
+  if (!errors_are_of_the_tool(machine, tests, session)) return;
   std::vector<PaperTest> paper;
   std::vector<BallbarTest> circles;
   for (const BallbarTest& test : tests) {

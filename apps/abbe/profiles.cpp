@@ -30,8 +30,8 @@ struct Row {
 std::vector<Row> rows_of(const Profile& profile) {
   std::vector<Row> rows;
   const auto told = [](const CodeUse& use) { return use.meaning != Meaning::unknown || use.refusal != 0; };
-  for (std::size_t i = 0; i < Profile::kGCodes; ++i)
-    if (told(profile.g[i])) rows.push_back({g_name(i), &profile.g[i]});
+  for (std::size_t i = 0; i < profile.g.size(); ++i)
+    if (told(profile.g[i])) rows.push_back({g_name(profile, i), &profile.g[i]});
   for (std::size_t i = 0; i < Profile::kMCodes; ++i)
     if (told(profile.m[i])) rows.push_back({fmt::format("M{}", i), &profile.m[i]});
   return rows;

@@ -115,14 +115,19 @@ Verb diff_verb(CLI::App& program, Session& session) {
     std::string original, output;
     bool json = false;
     std::size_t lines = 20;
+    ProfileArguments profile;
   };
   auto arguments = std::make_shared<Arguments>();
   CLI::App* verb = program.add_subcommand("diff", "what changed between a program and its compensated form, word by word");
   verb->add_option("original", arguments->original, "the original program")->required();
   verb->add_option("compensated", arguments->output, "the compensated program")->required();
   verb->add_flag("--json", arguments->json, "answer as JSON");
+  verb->add_option("--dialect", arguments->profile.dialect, "control the programs are for, where its words have names (siemens)");
+  verb->add_option("--profile", arguments->profile.file, "the same from a profile file");
   verb->add_option("--most", arguments->lines, "how many changed words to list, 0 = all")->capture_default_str();
   return {verb, [arguments, &session] {
+            const auto profile = load_profile(arguments->profile, session);
+            if (!profile) return;
             std::size_t listed = 0;
             std::string changes;
             JsonWriter json;
@@ -146,7 +151,7 @@ Verb diff_verb(CLI::App& program, Session& session) {
               }
               if (change.added) changes += fmt::format("{:>8} {:>8}  {}  {:>14}  {:>14}  added\n", change.line_in, change.line_out, change.letter, "", change.text_after);
               else changes += fmt::format("{:>8} {:>8}  {}  {:>14}  {:>14}  {:+.5f}\n", change.line_in, change.line_out, change.letter, change.text_before, change.text_after, change.after - change.before);
-            });
+            }, profile.get());
             session.report(report.diagnostics, report.readable ? Exit::disagrees : Exit::invalid);
             if (!report.readable) return;
             if (arguments->json) {

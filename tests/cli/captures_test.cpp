@@ -18,6 +18,7 @@ namespace {
 using nlohmann::json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr int kRows = 200;
 constexpr const char* kAxes = "X=1001:10000/mm,Y=1002:10000/mm";
@@ -144,6 +145,11 @@ TEST_F(Captures, WrongInputIsNamed) {
               HasSubstr("E-FORMAT"));
   EXPECT_THAT(error({"capture", path, "--eni", folder_.put("m.xml", "<a")}, 2), HasSubstr("E-ENI"));
   EXPECT_THAT(error({"capture", path, "-o", path}, 2), HasSubstr("the capture itself"));
+  for (const char* whole : {"--summary", "--datagrams"}) {
+    EXPECT_THAT(error({"capture", path, whole, "-o", silent}, 2), HasSubstr("excludes"));
+    EXPECT_THAT(error({"capture", path, whole, "--columns", "X.position_actual"}, 2), HasSubstr("excludes"));
+  }
+  EXPECT_THAT(error({"capture", path, "--datagrams", "--json"}, 2), HasSubstr("excludes"));
   const std::string elsewhere = folder_.put("e.toml",
                                             "format = 1\n[[object]]\nstation = 1\nindex = 0x6064\ndirection "
                                             "= \"input\"\ntype = \"int32\"\naddress = 0\n");
@@ -154,6 +160,16 @@ TEST_F(Captures, WrongInputIsNamed) {
               HasSubstr("E-CAPTURE-TIME"));
   std::filesystem::resize_file(silent, 24);
   EXPECT_THAT(error({"capture", silent}, 2), HasSubstr("E-CAPTURE-EMPTY"));
+}
+
+TEST_F(Captures, AnAxisWithoutADriveIsNamed) {
+  const ProgramRun run = run_abbe({"capture", capture(), "--axis", "X=1001:10000/mm,Y=1020:10000/mm"});
+  EXPECT_EQ(run.exit, 0);
+  EXPECT_THAT(run.err, HasSubstr("axis Y: no signal of a drive 1020"));
+  EXPECT_THAT(run.err, HasSubstr("1001, 1002"));
+  EXPECT_THAT(run.err, Not(HasSubstr("axis X:")));
+  EXPECT_THAT(run.out, HasSubstr("X.position_actual_mm"));
+  EXPECT_THAT(run.out, HasSubstr(",1002.position_actual,"));
 }
 
 // A link type of its own in the header: captures of "any" interface, of USB, of loopback.
@@ -231,6 +247,11 @@ TEST_F(Captures, WrongRecordsAreNamed) {
   EXPECT_THAT(error({flat, "--step", "wavelet=haarr"}), HasSubstr("'haarr' is not understood"));
   EXPECT_THAT(error({flat, "--step", "wavelet=db3,levels=0"}), HasSubstr("option"));
   EXPECT_THAT(error({flat, "--step", "median"}), HasSubstr("E-OPTION"));
+  EXPECT_THAT(error({flat, "--sine", "--delay", "x,x"}), HasSubstr("excludes"));
+  EXPECT_THAT(error({flat, "--circle", "x,x", "--angles", flat, "--sine"}), HasSubstr("excludes"));
+  EXPECT_THAT(error({flat, "--delay", "x,x", "-o", folder_ / "delay.csv"}), HasSubstr("excludes"));
+  EXPECT_THAT(error({flat, "--sine", "--format", "json"}), HasSubstr("excludes"));
+  EXPECT_NE(error({flat, "--delay", "x,x", "--delay", "x,x"}), "");
   EXPECT_THAT(error({flat, "--columns", "y"}), HasSubstr("no column 'y'"));
   EXPECT_THAT(error({folder_.put("n.csv", "x\n1\n2\n")}), HasSubstr("no column t_s"));
   EXPECT_THAT(error({folder_.put("c.csv", "t_s,x\n0,inf\n")}), HasSubstr("E-CELL"));

@@ -62,6 +62,23 @@ TEST_F(Evaluate, DiagonalsShowSquareness) {
   EXPECT_EQ(evaluate({pp, np, "--as", "positioning"}).exit, 2);
 }
 
+TEST_F(Evaluate, DiagonalsOfAnotherBoxAndCopiesAreRefused) {
+  const std::string head = "target [mm],run,direction,deviation [um]\n0,1,+,0\n640.312,1,+,";
+  const std::string pp = folder_.put("pp.csv", head + "-6\n"), np = folder_.put("np.csv", head + "6\n"),
+                    copy = folder_.put("copy.csv", head + "-6.0\n");
+  const auto refusal = [&](const std::string& second, const char* sides) {
+    const ProgramRun run = evaluate({pp, second, "--as", "diagonals", "--sides", sides});
+    EXPECT_EQ(run.exit, 2) << run.out;
+    EXPECT_EQ(run.out, "");
+    return run.err;
+  };
+  EXPECT_THAT(refusal(np, "0.5,0.4"), HasSubstr("640.312 mm long"));  // metres
+  EXPECT_THAT(refusal(np, "500,417"), HasSubstr("640.312 mm long"));  // 1.7 % longer
+  EXPECT_THAT(refusal(copy, "500,400"), HasSubstr("copy.csv has the readings of a file before it"));
+  EXPECT_THAT(refusal(pp, "500,400"), HasSubstr("pp.csv has the readings"));
+  EXPECT_EQ(evaluate({pp, np, "--as", "diagonals", "--sides", "500,404"}).exit, 0);  // 0.4 %
+}
+
 TEST_F(Evaluate, WhatIsWrongIsNamed) {
   const std::string text =
       folder_.put("bad.csv", "target [mm],run,direction,deviation [um]\n0,1,+,0\n100,1,+,nan\n");

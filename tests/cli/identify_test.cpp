@@ -4,10 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "run_program.h"
 
@@ -103,7 +107,37 @@ TEST_F(Identify, PaperSinusoidsAreShownAndNeverCompensated) {
   EXPECT_EQ(refused.exit, 3) << refused.err;
   EXPECT_THAT(refused.err, HasSubstr("E-SCOPE"));
   EXPECT_EQ(content(folder_ / "out.ngc"), "");
+  for (const std::vector<std::string>& command : std::vector<std::vector<std::string>>{
+           {"correct", "--at", "X=0,Y=0,Z=0"}, {"inverse", "--pose", "1,2,3,0,0,1"}}) {
+    std::vector<std::string> words = command;
+    words.insert(words.begin() + 1, mill_);
+    words.insert(words.end(), {"--errors", errors, "--set", "t=0"});
+    const ProgramRun moved = abbe(words);
+    EXPECT_EQ(moved.exit, 3) << moved.err;
+    EXPECT_THAT(moved.err, HasSubstr("E-SCOPE"));
+    EXPECT_EQ(moved.out, "");
+  }
   EXPECT_EQ(abbe({"identify", mill_, files[0], files[1], "--method", "paper"}).exit, 2);
+}
+
+// A table's errors are of either sign until the file says whose they are; the published ones are the tool's.
+TEST_F(Identify, ATableHasToSayWhoseErrorsItStates) {
+  const std::vector<std::string> files = simulate();
+  const std::string errors = folder_ / "errors.toml";
+  const auto refused = [&](const char* method, const std::string& seen) {
+    const std::string table =
+        folder_.put("table.toml", "format = 1\n[machine]\nchain = \"w X b Y Z t\"\n[axis.X]\n" + seen + "\n");
+    const ProgramRun run = abbe({"identify", table, files[0], "--method", method, "-o", errors});
+    if (run.exit == 0) return false;
+    EXPECT_EQ(run.exit, 2);
+    EXPECT_THAT(run.err, HasSubstr("E-ERRORS-SEEN"));
+    EXPECT_EQ(content(errors), "");
+    return true;
+  };
+  EXPECT_TRUE(refused("joint", ""));
+  EXPECT_TRUE(refused("paper", ""));
+  EXPECT_TRUE(refused("paper", "errors_seen = \"body\""));
+  EXPECT_FALSE(refused("paper", "errors_seen = \"tool\""));
 }
 
 TEST_F(Identify, IdentifiabilityExplainsOneFeed) {
@@ -124,6 +158,61 @@ TEST_F(Identify, SimulatedBusIsACapture) {
   ASSERT_EQ(run.exit, 0) << run.err;
   EXPECT_THAT(content(folder_ / "b1.csv"), HasSubstr("x_cmd_mm"));
   EXPECT_GT(content(folder_ / "b1.pcap").size(), 100000U);
+}
+
+// From the bus alone: the capture of the test, joined by angle, gives back the positions that were recorded
+// with it, and the identification what the servo sees.
+TEST_F(Identify, ACaptureJoinsItsTrace) {
+  const ProgramRun simulated =
+      abbe({"simulate", "ballbar", hidden_, "--test", "plane=XY,radius=100,feed=3000,samples=400", "--lag",
+            "X=1,Y=4", "--bus", "--positions", "--out", folder_ / "j"});
+  ASSERT_EQ(simulated.exit, 0) << simulated.err;
+  const std::string bus = folder_ / "bus.csv", joined = folder_ / "joined.csv", trace = folder_ / "j1.csv";
+  const ProgramRun captured =
+      abbe({"capture", folder_ / "j1.pcap", "--axis", "X=1001:100000/mm,Y=1002:100000/mm", "-o", bus});
+  ASSERT_EQ(captured.exit, 0) << captured.err;
+  const ProgramRun run = abbe({"ballbar", trace, "--bus", bus, "--out", joined});
+  ASSERT_EQ(run.exit, 0) << run.err;
+  const auto rows = [&](const std::string& path) {
+    std::vector<std::map<std::string, std::string>> out;
+    std::vector<std::string> header;
+    std::istringstream text(content(path));
+    for (std::string line; std::getline(text, line);) {
+      if (line.empty() || line[0] == '#') continue;
+      std::vector<std::string> cells;
+      std::istringstream row(line);
+      for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+      if (header.empty()) {
+        header = cells;
+        continue;
+      }
+      auto& named = out.emplace_back();
+      for (std::size_t i = 0; i < header.size(); ++i) named[header[i]] = cells[i];
+    }
+    return out;
+  };
+  const auto was = rows(trace), is = rows(joined);
+  ASSERT_EQ(was.size(), is.size());
+  double lag = 0;
+  for (std::size_t i = 0; i < was.size(); ++i) {
+    for (const char* column : {"x_mm", "y_mm", "x_cmd_mm", "y_cmd_mm"})
+      ASSERT_NEAR(std::stod(is[i].at(column)), std::stod(was[i].at(column)), 1e-4) << column << ' ' << i;
+    lag = std::max(lag, std::abs(std::stod(is[i].at("y_mm")) - std::stod(is[i].at("y_cmd_mm"))));
+  }
+  EXPECT_NEAR(lag, 50 * 0.004, 0.02) << "feed 50 mm/s, 4 ms";
+  const ProgramRun identified = abbe({"identify", mill_, joined, "--json", "--rotation", "0"});
+  ASSERT_EQ(identified.exit, 0) << identified.err;
+  EXPECT_GT(json::parse(identified.out)["runs"][0]["servo_um"], 10);
+
+  EXPECT_THAT(abbe({"ballbar", trace, "--plane", "XY", "--bus", trace, "--out", joined + "2"}).err,
+              HasSubstr("no column t_s"));
+  const std::string other = folder_ / "o";
+  ASSERT_EQ(
+      abbe({"simulate", "ballbar", hidden_, "--test", "plane=XY,radius=50,feed=3000", "--out", other}).exit,
+      0);
+  const ProgramRun refused = abbe({"ballbar", other + "1.csv", "--bus", bus});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_THAT(refused.err, HasSubstr("E-JOIN"));
 }
 
 TEST_F(Identify, WrongInputIsNamed) {

@@ -8,9 +8,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "abbe/machine/read_machine.h"
+#include "abbe/machine/read_profile.h"
 #include "abbe/verify/reader.h"
 #include "abbe/verify/verify.h"
 
@@ -43,6 +46,29 @@ struct Scratch {
   ~Scratch() { std::remove(path.c_str()); }
 };
 
+/// As this control reads it, with what a program may leave open stated.
+void judge(const std::string& path, abbe::VerifyJob job, const char* dialect) {
+  abbe::Profile profile = *abbe::embedded_profile(dialect);
+  profile.numbers.integer_words = abbe::Profile::IntegerWords::units;
+  profile.start.units = abbe::Profile::Units::metric;
+  profile.start.distance = abbe::Profile::Distance::absolute;
+  job.setup.profile = std::make_shared<const abbe::Profile>(std::move(profile));
+  const auto refused =
+      abbe::verifying::list_motions(path, "fuzz.ngc", job.setup, [](const ListedMotion& m) {
+        require(m.end.allFinite() && m.centre.allFinite(), "a position is not finite");
+      });
+  for (const auto& d : refused)
+    require(!d.code.empty() && !abbe::to_text(d).empty(), "a refusal says nothing");
+
+  const abbe::VerifyReport report = abbe::verify_program(perfect_machine(), job);
+  require(std::isfinite(report.after.max) && std::isfinite(report.before.max), "a deviation is not finite");
+  for (const auto& d : report.diagnostics)
+    if (d.code.rfind("E-", 0) != 0) {
+      std::fprintf(stderr, "%s: %s\n", dialect, abbe::to_text(d).c_str());
+      require(false, "a program disagrees with itself");
+    }
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -58,19 +84,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   job.original_path = job.output_path = scratch.path;
   job.original_name = job.output_name = "fuzz.ngc";
 
-  const auto refused =
-      abbe::verifying::list_motions(scratch.path, "fuzz.ngc", job.setup, [](const ListedMotion& m) {
-        require(m.end.allFinite() && m.centre.allFinite(), "a position is not finite");
-      });
-  for (const auto& d : refused)
-    require(!d.code.empty() && !abbe::to_text(d).empty(), "a refusal says nothing");
-
-  const abbe::VerifyReport report = abbe::verify_program(perfect_machine(), job);
-  require(std::isfinite(report.after.max) && std::isfinite(report.before.max), "a deviation is not finite");
-  for (const auto& d : report.diagnostics)
-    if (d.code.rfind("E-", 0) != 0) {
-      std::fprintf(stderr, "%s\n", abbe::to_text(d).c_str());
-      require(false, "a program disagrees with itself");
-    }
+  for (const char* dialect : {"linuxcnc", "fanuc", "siemens"}) judge(scratch.path, job, dialect);
   return 0;
 }

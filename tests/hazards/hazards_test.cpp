@@ -106,7 +106,9 @@ INSTANTIATE_TEST_SUITE_P(
         Hazard{"h25_cutter_compensation", "kink", 3, {"4:1: error[E-CUTCOM]"}, {}},
         Hazard{"h26_stops_and_coolant", "kink", 0, {}, {}},
         Hazard{"h27_frame_of_the_block", "scale", 0, {}, {"--offset", "G55=X100,Y0,Z0"}},
-        Hazard{"h29_subprograms", "offset", 3, {"4:1: error[E-MCODE]", "6:1: error[E-MCODE]"}, {}}),
+        Hazard{"h29_subprograms", "offset", 3, {"4:1: error[E-MCODE]", "6:1: error[E-MCODE]"}, {}},
+        Hazard{"h29_called_once", "offset", 0, {}, {"--dialect", "fanuc"}},
+        Hazard{"h29_called_twice", "offset", 3, {"7:1: error[E-OWORD]"}, {"--dialect", "fanuc"}}),
     [](const auto& test) { return std::string(test.param.name); });
 
 /// The number behind a letter in each block, or NaN.
@@ -130,7 +132,7 @@ TEST(HazardLaws, IntegerWordsCountWhatTheFlagSays) {
 
 /// Codes of other controls that the programs of this folder meet, on each of them: handled or refused, never moved.
 TEST(HazardLaws, UnknownCodesAreRefusedOnEveryControl) {
-  for (const char* dialect : {"linuxcnc", "fanuc", "haas", "grbl", "grblhal", "iso"}) {
+  for (const char* dialect : {"linuxcnc", "fanuc", "haas", "grbl", "grblhal", "iso", "siemens"}) {
     for (const char* name : {"h17_variables", "h18_unknown_codes", "h25_cutter_compensation", "h29_subprograms"}) {
       const Outcome outcome = compensate(name, "offset", {"--dialect", dialect});
       EXPECT_EQ(outcome.run.exit, 3) << dialect << " " << name;

@@ -6,18 +6,19 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 #include <string>
 #include <string_view>
 
-namespace abbe::verifying {
+namespace abbe::testing {
 
-/// A program on the disk for the time of a test.
+/// A text on the disk for the time of a test.
 class TestFile {
  public:
   explicit TestFile(std::string_view bytes) {
     static std::atomic<int> count = 0;
     path_ = (std::filesystem::temp_directory_path() /
-             ("abbe_verify_" + std::to_string(getpid()) + "_" + std::to_string(count++) + ".ngc"))
+             ("abbe_test_" + std::to_string(getpid()) + "_" + std::to_string(count++) + ".ngc"))
                 .string();
     std::ofstream(path_, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   }
@@ -33,4 +34,12 @@ class TestFile {
   std::string path_;
 };
 
-}  // namespace abbe::verifying
+/// All bytes of a file; "" where there is none.
+inline std::string slurp(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::stringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+}  // namespace abbe::testing

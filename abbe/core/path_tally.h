@@ -1,22 +1,31 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
-#include "abbe/verify/verify.h"
+#include "abbe/core/verify_report.h"
 
-namespace abbe::verifying {
+namespace abbe {
 
-/// Largest and root-mean-square deviation, each sample weighted with the path length before it.
+/// Largest and root-mean-square deviation:
+///
+///   rms^2 = sum w |d|^2 / sum w,  w = path since the sample before, mm
+///
+/// A path without length has no rms: 0. Of places that are equally bad the first is named.
+///
+/// laws     OfEquallyBadPlacesTheFirstIsNamed, PlacesThatCreepUpAreFollowed, APathWithoutLengthHasNoRms
 class DeviationTally {
  public:
+  /// deviation: mm, workpiece axes, finite; weight: mm, not negative; line: of the original.
   void add(const Vec3& deviation, double weight, std::uint64_t line);
   [[nodiscard]] DeviationSummary summary() const;
 
  private:
-  DeviationSummary worst_;
+  DeviationSummary worst_;  ///< without `max` and `rms`
   double squares_ = 0, weights_ = 0;
-  double marked_ = 0;  ///< square of the deviation at max_line
+  double largest_ = 0, marked_ = 0;  ///< squares: of the largest deviation, of the one at max_line
 };
 
 /// At most `limit` samples, evenly spread over however many come: every n-th is kept, and when there is
@@ -35,4 +44,4 @@ class SampleKeeper {
   std::vector<PathSample> kept_;
 };
 
-}  // namespace abbe::verifying
+}  // namespace abbe

@@ -1,9 +1,9 @@
-#include "abbe/verify/tally.h"
+#include "abbe/core/path_tally.h"
 
 #include <algorithm>
 #include <cmath>
 
-namespace abbe::verifying {
+namespace abbe {
 
 // Of places that are equally bad the first is named, whatever the last digits of a processor say.
 constexpr double kMoreThanRounding = 1 + 1e-9;
@@ -12,7 +12,7 @@ void DeviationTally::add(const Vec3& deviation, double weight, std::uint64_t lin
   const double square = deviation.squaredNorm();
   squares_ += weight * square;
   weights_ += weight;
-  worst_.max = std::max(worst_.max, std::sqrt(square));
+  largest_ = std::max(largest_, square);
   if (square > marked_ * kMoreThanRounding) {
     marked_ = square;
     worst_.max_line = line;
@@ -24,6 +24,7 @@ void DeviationTally::add(const Vec3& deviation, double weight, std::uint64_t lin
 
 DeviationSummary DeviationTally::summary() const {
   DeviationSummary result = worst_;
+  result.max = std::sqrt(largest_);
   result.rms = weights_ > 0 ? std::sqrt(squares_ / weights_) : 0;
   return result;
 }
@@ -40,4 +41,4 @@ void SampleKeeper::add(const PathSample& sample) {
   if (kept_.size() < limit_) kept_.push_back(sample);
 }
 
-}  // namespace abbe::verifying
+}  // namespace abbe
