@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "abbe/fit/job_reader.h"
-#include "abbe/fit/unit_effects.h"
+#include "abbe/machine/error_body.h"
 #include "abbe/machine/toml_values.h"
 
 namespace abbe {

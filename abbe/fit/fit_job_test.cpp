@@ -4,6 +4,7 @@
 
 #include <random>
 
+#include "abbe/core/test_mutation.h"
 #include "abbe/fit/test_hidden_machine.h"
 
 namespace abbe {
@@ -82,21 +83,7 @@ TEST(ReadFitJob, TotalOnAnyBytes) {
       "[[value]]\nerror = \"EC0Y\"\nvalue = 3\nu = 1\n[[points]]\nfile = \"points.csv\"\n" +
       "[[diagonal]]\nfile = \"x.csv\"\nfrom = { X = 0 }\nto = { X = 200 }\n";
   for (int round = 0; round < 2000; ++round) {
-    std::string text = seed;
-    for (int k = 0; k < 1 + round % 4; ++k) {
-      const std::size_t at = random() % text.size();
-      switch (random() % 3) {
-        case 0:
-          text[at] = static_cast<char>(random());
-          break;
-        case 1:
-          text.erase(at, random() % 12);
-          break;
-        default:
-          text.insert(at, text.substr(random() % text.size(), random() % 20));
-          break;
-      }
-    }
+    const std::string text = test::damaged(seed, random, 1 + round % 4);
     const Parsed<FitJob> parsed = test::read_job(text, files());
     EXPECT_NE(parsed.value.has_value(), has_errors(parsed.diagnostics)) << text;
   }

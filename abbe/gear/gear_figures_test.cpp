@@ -39,6 +39,34 @@ TEST(Wheel, SpurContactIsThePlaneOfTheWheel) {
     }
 }
 
+TEST(Wheel, AWheelCutsWhatItWasMadeFor) {
+  // Brute force, apart from the meshing condition: circles of the wheel's profile against the involute. Its
+  // distance along the base tangent is r_b times the angle between.
+  for (const GearSpec& spec : {test::seed_spec(), test::helical_spec(1), test::helical_spec(-1)}) {
+    const Gear gear = test::gear_of(spec);
+    const WheelInGap wheel = test::wheel_of(gear, 9);
+    const Vec3 across = wheel.axis.cross(Vec3::UnitX());
+    for (const Flank flank : {Flank::right, Flank::left})
+      for (const WheelContact& contact : wheel.of(flank)) {
+        double least = 1;
+        for (int i = -4000; i <= 4000; ++i) {
+          const double angle = 0.2 * i / 4000;
+          const Vec3 p = Vec3(wheel.centre_distance, 0, 0) + contact.axial * wheel.axis -
+                         contact.radius * (std::cos(angle) * Vec3::UnitX() + std::sin(angle) * across);
+          const double radius = std::hypot(p.x(), p.y());
+          if (radius < gear.form_radius) continue;
+          const double alpha = std::acos(gear.base_radius / radius);
+          const double psi = gear.half_gap + std::tan(alpha) - alpha -
+                             (gear.reference_roll - std::atan(gear.reference_roll));
+          const double theta = std::atan2(p.y(), p.x()) - gear.turn_per_mm * p.z();
+          least = std::min(least, gear.base_radius * (psi - side_of_gap(flank) * theta));
+        }
+        EXPECT_GT(least, -kNothing);
+        EXPECT_LT(least, 1e-5);  // 0.02 mm between two points of a circle of 150 mm that touches
+      }
+  }
+}
+
 TEST(Wheel, NormalsMeetTheAxis) {
   for (const int hand : {1, -1}) {
     const Gear gear = test::gear_of(test::helical_spec(hand));

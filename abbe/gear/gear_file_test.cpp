@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "abbe/core/test_mutation.h"
+
 namespace abbe {
 namespace {
 
@@ -90,22 +92,7 @@ TEST(ReadGear, TotalOnAnyBytes) {
                   "[modifications]\ntip_relief = 12\ntip_relief_length = 9\n"
                   "[cutting]\nfeed = 100\n[evaluation]\nclass = 6\nteeth = [1, 48]\n");
   for (int round = 0; round < 3000; ++round) {
-    std::string text = seed;
-    for (int k = 0; k < 1 + round % 4; ++k) {
-      const std::size_t at = random() % text.size();
-      switch (random() % 3) {
-        case 0:
-          text[at] = static_cast<char>(random());
-          break;
-        case 1:
-          text.erase(at, random() % 12);
-          break;
-        default:
-          text.insert(at, text.substr(random() % text.size(), random() % 20));
-          break;
-      }
-      if (text.empty()) break;
-    }
+    const std::string text = test::damaged(seed, random, 1 + round % 4);
     const Parsed<GearJob> parsed = read_gear({"gear.toml", text});
     EXPECT_NE(parsed.value.has_value(), has_errors(parsed.diagnostics)) << text;
   }

@@ -5,12 +5,16 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace abbe {
 namespace {
 
 constexpr int kMostSteps = 40;
 constexpr double kSolved = 1e-12;  // mm of contact height
+constexpr double kIntrusion =
+    1e-3;                    // mm: less is the kink where a tip relief begins, at which the contact jumps
+constexpr int kAngles = 61;  // of the wheel's circles at which its body is looked at
 constexpr int kLeastChecked = 40;  // roll angles at which the profile is looked at
 
 std::optional<WheelProblem> first_beyond(const Gear& gear, const WheelSpec& spec) {
@@ -73,6 +77,41 @@ std::optional<WheelProblem> fill(const Gear& gear, const std::vector<double>& ro
     }
   }
   return std::nullopt;
+}
+
+/// How deep a point of the wheel is in the tooth on one side of the gap: along the base tangent, mm, negative
+/// outside.
+///     r_b (s theta - kappa z - psi(r)) + m,   psi = half the gap's angle at that radius
+double depth_in_tooth(const Gear& gear, const Vec3& p, double side) {
+  const double radius = std::hypot(p.x(), p.y());
+  if (radius < gear.form_radius || radius > gear.tip_radius) return -1;
+  const double roll = roll_at(gear, radius);
+  const double psi = gear.half_gap + involute_of_roll(roll) - involute_of_roll(gear.reference_roll);
+  const double theta =
+      std::remainder(std::atan2(p.y(), p.x()) - gear.turn_per_mm * p.z(), 2 * std::numbers::pi);
+  return gear.base_radius * (side * theta - psi) + profile_modification(gear, roll);
+}
+
+/// The deepest that the body of the wheel, all around its axis, is in one of the two teeth beside the gap.
+/// Whatever goes along the helix goes along the flanks, so one height of the wheel stands for all.
+double deepest_intrusion(const Gear& gear, const WheelInGap& wheel) {
+  const Vec3 centre(wheel.centre_distance, 0, 0), inwards = -Vec3::UnitX(),
+                                                  across = wheel.axis.cross(inwards);
+  double deepest = -1;
+  for (const auto& contacts : wheel.contacts)
+    for (const WheelContact& contact : contacts) {
+      // The part of the circle below the tip cylinder.
+      const double reach = wheel.centre_distance - gear.tip_radius;
+      const double half =
+          reach < contact.radius ? std::acos(std::clamp(reach / contact.radius, -1.0, 1.0)) : 0.0;
+      for (int i = 0; i < kAngles; ++i) {
+        const double angle = half * (2.0 * i / (kAngles - 1) - 1);
+        const Vec3 p = centre + contact.axial * wheel.axis +
+                       contact.radius * (std::cos(angle) * inwards + std::sin(angle) * across);
+        deepest = std::max({deepest, depth_in_tooth(gear, p, 1), depth_in_tooth(gear, p, -1)});
+      }
+    }
+  return deepest;
 }
 
 std::optional<WheelProblem> check_widths(WheelInGap& wheel) {
@@ -138,6 +177,10 @@ std::variant<WheelInGap, WheelProblem> fit_wheel(const Gear& gear, const WheelSp
         WheelTrouble::mesh, "diameter",
         fmt::format("a wheel of {:g} mm would cut into the flank it makes: its profile turns back",
                     spec.diameter)};
+  if (const double depth = deepest_intrusion(gear, wheel); depth > kIntrusion)
+    return WheelProblem{
+        WheelTrouble::mesh, "diameter",
+        fmt::format("the body of a wheel of {:g} mm is {:.4f} mm deep in the tooth", spec.diameter, depth)};
   for (const auto& flank : wheel.contacts)
     for (const WheelContact& contact : flank) wheel.reach = std::max(wheel.reach, std::abs(contact.z));
   if (std::optional<WheelProblem> problem = check_widths(wheel)) return *problem;

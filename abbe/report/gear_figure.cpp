@@ -25,12 +25,6 @@ constexpr std::string_view kGrid = "#e4e4e4", kGrey = "#777777", kTrace = "#1d6f
 constexpr std::string_view kMicrometre = "\xC2\xB5m";
 constexpr std::size_t kMostPoints = 120;  // of a trace
 
-std::string um_text(double length, int decimals) {
-  std::string text;
-  append_fixed(text, std::clamp(length / um, -1e11, 1e11), decimals);
-  return text;
-}
-
 /// One trace of a flank: positions along it, deviations, the part that is evaluated.
 struct Trace {
   const std::vector<double>& along;
@@ -229,6 +223,12 @@ void draw_pitch(SvgPage& page, const GearJob& job, const GearChart& chart, doubl
 }
 
 }  // namespace
+
+std::string um_text(double length, int decimals) {
+  std::string text;
+  append_fixed(text, std::clamp(length / um, -1e11, 1e11), decimals);
+  return text;
+}
 
 std::string figure_of_gear(const GearJob& job, const GearChart& chart) {
   SvgPage page(kWidth, kHeight);

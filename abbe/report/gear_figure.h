@@ -1,6 +1,6 @@
 #pragma once
 
-#include <optional>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -37,5 +37,8 @@ inline constexpr std::size_t kMostChartTeeth = 6;
 /// errors   none; a chart without teeth shows pitch and runout
 /// laws     SameInputSameBytes, WellFormed
 [[nodiscard]] std::string figure_of_gear(const GearJob& job, const GearChart& chart);
+
+/// "4.15": a length in um, never -0.
+[[nodiscard]] std::string um_text(double length, int decimals = 2);
 
 }  // namespace abbe

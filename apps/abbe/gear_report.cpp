@@ -7,7 +7,6 @@
 #include <cmath>
 #include <optional>
 
-#include "abbe/core/number.h"
 #include "abbe/core/units.h"
 
 namespace abbe::app {
@@ -42,12 +41,6 @@ std::string tolerance_text(const GearJob& job, const WorstFigure& worst) {
 }
 
 }  // namespace
-
-std::string um_text(double length, int decimals) {
-  std::string text;
-  append_fixed(text, std::clamp(length / um, -1e11, 1e11), decimals);
-  return text;
-}
 
 std::vector<WorstFigure> worst_of(const GearFigures& figures) {
   std::vector<WorstFigure> worst;

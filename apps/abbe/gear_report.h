@@ -5,6 +5,7 @@
 
 #include "abbe/gear/flank_tolerances.h"
 #include "abbe/gear/gear_file.h"
+#include "abbe/report/gear_figure.h"
 #include "abbe/report/json_writer.h"
 
 namespace abbe::app {
@@ -16,9 +17,6 @@ struct WorstFigure {
   double value;  ///< mm
 };
 [[nodiscard]] std::vector<WorstFigure> worst_of(const GearFigures& figures);
-
-/// "4.15": micrometres, never -0.
-[[nodiscard]] std::string um_text(double length, int decimals = 2);
 
 /// Gear and wheel for people, and the member `gear` and `wheel`.
 [[nodiscard]] std::string text_of_gear(const GearJob& job, const WheelInGap& wheel);
