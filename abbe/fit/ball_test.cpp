@@ -3,8 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <set>
 
+#include "abbe/fit/ball_plan.h"
 #include "abbe/fit/test_hidden_machine.h"
 
 namespace abbe {
@@ -107,6 +109,106 @@ TEST(Balls, PosesThatHoldNoBallAreRefused) {
   const Parsed<Observations> observations = observations_of(*job.value);
   ASSERT_FALSE(observations.value);
   EXPECT_EQ(observations.diagnostics.front().code, "E-JOB-BALL");
+}
+
+/// The file of an R-test: commands of the ideal machine, readings of the true one; `nest` on tool or work.
+std::string rtest_file(const HiddenMachine& hidden, const std::vector<Vec3>& balls, bool on_work) {
+  BallPlan plan;
+  plan.places = balls;
+  plan.angles[0] = {0, 70 * deg, 140 * deg, 220 * deg, 310 * deg};
+  plan.angles[1] = {-60 * deg, -20 * deg, 0, 30 * deg, 70 * deg};
+  const FitPoints points = std::get<FitPoints>(plan_balls(hidden.machine, plan));
+  std::string csv = "C [deg],A [deg],X [mm],Y [mm],Z [mm],ball,x [um],y [um],z [um]\n";
+  for (std::size_t i = 0; i < points.poses.size(); ++i) {
+    const Pose& q = points.poses[i];
+    const Query query = hidden.query(q);
+    const Vec3 place = balls[static_cast<std::size_t>(points.ball[i] - 1)] + Vec3(0.02, -0.03, 0.01);
+    Vec3 seen = actual_tip(hidden.actual, query) - place;
+    EXPECT_LT((nominal_tip(hidden.ideal, query) - balls[static_cast<std::size_t>(points.ball[i] - 1)]).norm(),
+              1e-9);
+    if (!on_work) seen = nominal_pose(hidden.ideal, query).R.transpose() * seen;
+    csv +=
+        fmt::format("{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{},{:.17g},{:.17g},{:.17g}\n", q[0] / deg,
+                    q[1] / deg, q[2], q[3], q[4], points.ball[i], seen[0] / um, seen[1] / um, seen[2] / um);
+  }
+  return csv;
+}
+
+FitResult fit_rtest(const HiddenMachine& hidden, const std::vector<Vec3>& balls, bool on_work,
+                    const char* more = "") {
+  const Files files = {{"hidden.toml", hidden.text}, {"balls.csv", rtest_file(hidden, balls, on_work)}};
+  const Parsed<FitJob> job = read_job(
+      fmt::format(
+          "format = 1\nmachine = \"hidden.toml\"\nlocations = [\"EX0C\", \"EY0C\", \"EA0C\", \"EB0C\", "
+          "\"EY0A\", \"EZ0A\", \"EB0A\", \"EC0A\"]\n[[ball]]\nfile = \"balls.csv\"\nnoise = 1\nnest = "
+          "\"{}\"\n{}",
+          on_work ? "work" : "tool", more),
+      files);
+  if (!job.value) throw std::runtime_error(codes(job.diagnostics));
+  const Parsed<Observations> observations = observations_of(*job.value);
+  return fit_jointly(*job.value, *observations.value, *unknowns_of(*job.value, *observations.value).value);
+}
+
+constexpr const char* kEightOnly =
+    "[errors]\nEX0C = 9\nEY0C = -7\nEA0C = 15\nEB0C = -25\nEY0A = 6\nEZ0A = -11\nEB0A = 18\nEC0A = -14\n";
+
+double found_value(const FitResult& result, const std::string& name) {
+  for (const FoundValue& value : result.locations)
+    if (value.name == name) return value.value;
+  return std::numeric_limits<double>::quiet_NaN();
+}
+
+TEST(RTest, AllEightLocationErrorsOfATableAreFound) {
+  const HiddenMachine hidden(kFiveAxes, kEightOnly);
+  for (const bool on_work : {false, true}) {
+    const FitResult result = fit_rtest(hidden, {{100, 0, 50}, {-40, 80, 120}, {20, -90, 20}}, on_work);
+    EXPECT_TRUE(result.not_determined.empty());
+    EXPECT_EQ(result.locations.size(), 8U);
+    const std::pair<const char*, double> truth[] = {{"EX0C", 9}, {"EY0C", -7},  {"EA0C", 15}, {"EB0C", -25},
+                                                    {"EY0A", 6}, {"EZ0A", -11}, {"EB0A", 18}, {"EC0A", -14}};
+    for (const auto& [name, value] : truth) EXPECT_NEAR(found_value(result, name), value, 0.02) << name;
+  }
+}
+
+TEST(RTest, OneHeightOfOneAxisLeavesTiltAndPlaceTogether) {
+  // Only C turns, all balls at one height h: the axis displaced by h times its tilt looks the same.
+  const HiddenMachine hidden(kFiveAxes, kEightOnly);
+  const auto fit_c = [&](const std::vector<Vec3>& balls) {
+    std::string csv = "C [deg],A [deg],X [mm],Y [mm],Z [mm],ball\n";
+    for (std::size_t b = 0; b < balls.size(); ++b)
+      for (const double c : {0.0, 60.0, 130.0, 200.0, 290.0}) {
+        const Pose q = touch(hidden, balls[b], c * deg, 0);
+        csv += fmt::format("{},0,{:.17g},{:.17g},{:.17g},{}\n", c, q[2], q[3], q[4], b + 1);
+      }
+    const Files files = {{"hidden.toml", hidden.text}, {"balls.csv", csv}};
+    const auto job = read_job(
+        "format = 1\nmachine = \"hidden.toml\"\nlocations = [\"EX0C\", \"EY0C\", \"EA0C\", "
+        "\"EB0C\"]\n[[ball]]\nfile "
+        "= \"balls.csv\"\nnoise = 1\n",
+        files);
+    const auto observations = observations_of(*job.value);
+    return fit_jointly(*job.value, *observations.value, *unknowns_of(*job.value, *observations.value).value);
+  };
+  EXPECT_TRUE(fit_c({{100, 0, 50}, {60, 10, 150}}).not_determined.empty());
+  // On the axis itself: not even the height of the others helps.
+  const FitResult one = fit_c({{0, 0, 50}});
+  ASSERT_FALSE(one.not_determined.empty());
+  for (const NotDetermined& missing : one.not_determined) EXPECT_TRUE(missing.asked) << missing.name;
+}
+
+TEST(RTest, ReadingsThatDoNotFitAreRefused) {
+  const HiddenMachine hidden(kFiveAxes, kEightOnly);
+  const auto code_of = [&](const std::string& csv, const std::string& keys) {
+    const auto job = read_job("format = 1\nmachine = \"hidden.toml\"\n[[ball]]\nfile = \"b.csv\"\n" + keys,
+                              {{"hidden.toml", hidden.text}, {"b.csv", csv}});
+    return job.value ? std::string("read") : job.diagnostics.front().code;
+  };
+  const std::string axes = "C [deg],A [deg],X [mm],Y [mm],Z [mm],ball";
+  EXPECT_EQ(code_of(axes + "\n0,0,1,2,3,1\n", ""), "read");
+  EXPECT_EQ(code_of(axes + ",x [um],y [um]\n0,0,1,2,3,1,5,5\n", ""), "E-JOB-KIND");
+  EXPECT_EQ(code_of(axes + ",x [urad],y [um],z [um]\n0,0,1,2,3,1,5,5,5\n", ""), "E-JOB-KIND");
+  EXPECT_EQ(code_of(axes + "\n0,0,1,2,nan,1\n", ""), "E-MEASURED-CELL");
+  EXPECT_EQ(code_of(axes + "\n0,0,1,2,3,1\n", "nest = \"moon\"\n"), "E-VALUE");
 }
 
 }  // namespace

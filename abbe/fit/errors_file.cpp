@@ -2,6 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Core>
+#include <cmath>
+#include <set>
+
 #include "abbe/fit/function_model.h"
 
 namespace abbe {
@@ -49,14 +53,58 @@ std::string calibration_text(const Calibration& calibration) {
   return text.empty() ? text : "\n[calibration]\n" + text;
 }
 
+/// slope (T - reference), held outside the temperatures that were seen
+std::string term_text(const ThermalTerm& term, double reference) {
+  return fmt::format("{{ poly = [0, {}], of = \"{}\", reference = {}, domain = [{}, {}] }}",
+                     file_number(term.slope), variable_of(term), file_number(reference), file_number(term.lo),
+                     file_number(term.hi));
+}
+
+std::string model_text(const ThermalModel& model, double reference) {
+  if (model.terms.empty()) return "0";
+  std::string text;
+  for (const ThermalTerm& term : model.terms) text += (text.empty() ? "" : ", ") + term_text(term, reference);
+  return model.terms.size() == 1 ? text : "[" + text + "]";
+}
+
+std::string thermal_comments(const FitJob& job, const ThermalFit& thermal) {
+  std::string text;
+  for (const FitDrift& drift : job.drifts)
+    text += comment(fmt::format("  {}: {} rows over {:.0f} min{}", drift.file, drift.times.size(),
+                                (drift.times.back() - drift.times.front()) / 60,
+                                drift.validation ? ", only to judge" : ""));
+  for (const ThermalModel& model : thermal.models)
+    text +=
+        comment(fmt::format("  {}: drift {:.3g} rms, left {:.3g}{} {}", model.name, model.before, model.left,
+                            model.validated ? fmt::format(", of logs not fitted {:.3g}", *model.validated)
+                                            : std::string(", not tried on another log"),
+                            model.rotation ? "urad" : "um"));
+  return text;
+}
+
+/// Each lagged temperature once, in the order of its first use.
+std::string sensors_text(const ThermalFit& thermal) {
+  std::string text;
+  std::set<std::string> written;
+  for (const ThermalModel& model : thermal.models)
+    for (const ThermalTerm& term : model.terms)
+      if (term.lag > 0 && written.insert(variable_of(term)).second)
+        text +=
+            fmt::format("{} = {{ of = \"{}\", lag = {:.0f} }}\n", variable_of(term), term.sensor, term.lag);
+  return text.empty()
+             ? text
+             : "\n[sensors]\n" + comment("first-order lags (s) of temperatures that are read") + text;
+}
+
 }  // namespace
 
-std::string write_errors_file(const FitJob& job, const FitResult& result) {
+std::string write_errors_file(const FitJob& job, const FitResult& result, const ThermalFit& thermal) {
   std::string text =
       comment("Written by abbe fit from " + job.file + ": errors of " + job.machine.name + ".");
   for (const SetResidual& set : result.sets)
     text += comment(fmt::format("  {}: {} equations, rms of what is left {:.3g} {}", set.name, set.rows,
                                 set.rms / (set.angle ? urad : um), set.angle ? "urad" : "um"));
+  text += thermal_comments(job, thermal);
   text += comment(
       "All functions are zero at the reference position. Straightness has no trend: it is squareness.");
   text +=
@@ -68,12 +116,67 @@ std::string write_errors_file(const FitJob& job, const FitResult& result) {
     text += fmt::format("{} = {}\n", found.unknown.name, function_text(found));
   for (const FoundValue& value : result.locations)
     text += fmt::format("{} = {}\n", value.name, file_number(value.value));
+  for (const ThermalModel& model : thermal.models)
+    text += fmt::format("{} = {}\n", model.name, model_text(model, job.thermal.reference));
+  text += sensors_text(thermal);
   text += "\n[uncertainty]\n" +
           comment("standard; of functions the largest over their range, of the mean of both directions");
   for (const FoundFunction& found : result.functions)
     text += fmt::format("{} = {}\n", found.unknown.name, file_number(found.u));
   for (const FoundValue& value : result.locations)
     text += fmt::format("{} = {}\n", value.name, file_number(value.u));
+  for (const ThermalModel& model : thermal.models)
+    text += fmt::format("{} = {}\n", model.name, file_number(model.u));
+  return text;
+}
+
+namespace {
+
+/// L of C = L L^T; columns of pivots that are zero (what is not determined) stay zero.
+Eigen::MatrixXd cholesky_factor(const Eigen::MatrixXd& C) {
+  constexpr double kZero = 1e-12;
+  const Eigen::Index n = C.rows();
+  Eigen::MatrixXd L = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const Eigen::VectorXd rest =
+        C.col(j).tail(n - j) - L.bottomLeftCorner(n - j, j) * L.row(j).head(j).transpose();
+    if (rest[0] > kZero * C(j, j)) L.col(j).tail(n - j) = rest / std::sqrt(rest[0]);
+  }
+  return L;
+}
+
+/// One column of L as a table of errors.
+std::string mode_text(const FitResult& result, const Eigen::VectorXd& column) {
+  std::string text;
+  Eigen::Index first = 0;
+  for (const FoundFunction& found : result.functions) {
+    FoundFunction share = found;
+    share.mean = column.segment(first, found.mean.size());
+    share.reversal = column.segment(first + found.mean.size(), found.reversal.size());
+    first += found.mean.size() + found.reversal.size();
+    if (!share.mean.isZero(0) || !share.reversal.isZero(0))
+      text += fmt::format("{} = {}\n", found.unknown.name, function_text(share));
+  }
+  for (const FoundValue& value : result.locations)
+    if (const double share = column[first++]; share != 0)
+      text += fmt::format("{} = {}\n", value.name, file_number(share));
+  return text;
+}
+
+}  // namespace
+
+std::string write_uncertainty_modes(const FitResult& result) {
+  constexpr double kNegligible = 1e-4;
+  const Eigen::MatrixXd L = cholesky_factor(result.covariance);
+  std::string text =
+      "\n" + comment("covariance: each mode is one standard deviation of all its errors together");
+  for (Eigen::Index j = 0; j < L.cols(); ++j) {
+    Eigen::VectorXd column = L.col(j);
+    for (Eigen::Index i = 0; i < column.size(); ++i)
+      if (std::abs(column[i]) <= kNegligible * std::sqrt(result.covariance(i, i))) column[i] = 0;
+    const std::string mode = mode_text(result, column);
+    if (!mode.empty()) text += "\n[[uncertainty_mode]]\n" + mode;
+  }
   return text;
 }
 

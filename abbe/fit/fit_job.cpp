@@ -63,6 +63,8 @@ void read_job_entries(const TomlNode& root, JobReader& reader, Findings& finding
   if (const TomlNode* table = find_table(root, "reference", findings)) reader.read_reference(*table);
   if (const TomlNode* table = find_table(root, "functions", findings)) reader.read_functions(*table);
   if (const TomlEntry* entry = root.find("locations")) reader.read_locations(entry->value);
+  if (const TomlNode* table = find_table(root, "thermal", findings)) reader.read_thermal(*table);
+  read_entries(root, "drift", findings, [&](const TomlNode& entry) { reader.read_drift(entry); });
   read_entries(root, "square", findings, [&](const TomlNode& entry) { reader.read_square(entry); });
   read_entries(root, "run", findings, [&](const TomlNode& entry) { reader.read_run(entry); });
   read_entries(root, "diagonal", findings, [&](const TomlNode& entry) { reader.read_diagonal(entry); });
@@ -96,7 +98,7 @@ Parsed<FitJob> read_job(const MachineText& text, const FileFetcher& fetch,
   check_format(*root, findings);
   refuse_other_keys(*root,
                     {"format", "machine", "units", "calibration", "reference", "functions", "most_order",
-                     "locations", "run", "diagonal", "points", "ball", "value", "square"},
+                     "locations", "run", "diagonal", "points", "ball", "value", "square", "thermal", "drift"},
                     "a job", findings);
   const std::string folder = std::filesystem::path(text.file).parent_path().string();
   FitJob job;
@@ -111,9 +113,9 @@ Parsed<FitJob> read_job(const MachineText& text, const FileFetcher& fetch,
   JobReader reader(job, read_units(*root, findings), folder, fetch, plan, findings, out.diagnostics);
   read_job_entries(*root, reader, findings);
   if (!has_errors(out.diagnostics) && job.runs.empty() && job.diagonals.empty() && job.points.empty() &&
-      job.values.empty())
+      job.values.empty() && job.drifts.empty())
     findings.error("E-JOB-EMPTY", {}, "nothing was measured", "there is nothing to fit",
-                   "add [[run]], [[diagonal]], [[points]], [[ball]] or [[value]]");
+                   "add [[run]], [[diagonal]], [[points]], [[ball]], [[drift]] or [[value]]");
   if (!has_errors(out.diagnostics)) out.value = std::move(job);
   return out;
 }

@@ -7,6 +7,7 @@
 
 #include "abbe/core/diagnostic.h"
 #include "abbe/evaluate/run_table.h"
+#include "abbe/fit/drift_record.h"
 #include "abbe/fit/function_model.h"
 #include "abbe/machine/machine.h"
 #include "abbe/machine/read_machine.h"
@@ -55,6 +56,8 @@ struct FitPoints {
   std::vector<std::array<double, kMaxAxes>> poses;
   std::vector<Vec3> measured;  ///< mm; empty for balls
   std::vector<int> ball;       ///< number of the ball; empty for points
+  std::vector<Vec3> readings;  ///< tip - centre of the ball (an R-test), mm; empty: the tip was in the centre
+  bool nest_on_work = false;   ///< readings are along axes of the workpiece, not of the tool
 };
 
 /// A value known from elsewhere: a squareness of a ball-bar test, of a part that was turned over.
@@ -91,7 +94,9 @@ struct FitJob {
   std::vector<FitValue> values;
   std::vector<FitSquare> squares;
   std::vector<FitFunction> functions;
-  std::vector<std::string> locations;        ///< asked for by name
+  std::vector<std::string> locations;  ///< asked for by name
+  FitThermal thermal;
+  std::vector<FitDrift> drifts;
   std::array<double, kMaxAxes> reference{};  ///< where functions are zero
   int most_order = 6;
   Calibration calibration;
@@ -108,7 +113,8 @@ struct FitJob {
 /// (an
 ///          axis that is not there), E-JOB-KIND (deviations of the wrong quantity), E-JOB-SQUARE (an artefact
 ///          that is not declared, or whose runs do not span one plane), E-JOB-TWICE (the same file again),
-///          E-JOB-EMPTY (nothing measured), E-JOB-RANGE (targets beyond the travel)
+///          E-JOB-EMPTY (nothing measured), E-JOB-RANGE (targets beyond the travel), E-DRIFT-TIME
+///          (a log whose time does not increase), E-THERMAL-TEMPERATURE (no temperature of a machine)
 /// laws     TotalOnAnyBytes
 [[nodiscard]] Parsed<FitJob> read_fit_job(const MachineText& job, const FileFetcher& fetch);
 
@@ -120,9 +126,9 @@ struct MeasurementPlan {
 };
 
 /// The same job before it was measured: every run has targets spaced evenly over the travel of its axis
-/// (every diagonal over its length, points a grid over all travels) and readings of 0. Its measurement files
-/// are not opened. errors   those of read_fit_job, and E-JOB-RANGE: a travel is not known; E-JOB-KIND: balls
-/// cannot be planned
+/// (every diagonal over its length, points a grid over all travels, balls where `places` and `angles` say)
+/// and readings of 0. Its measurement files are not opened. errors   those of read_fit_job, and E-JOB-RANGE:
+/// a travel is not known; E-JOB-BALL: balls that cannot be reached
 [[nodiscard]] Parsed<FitJob> plan_fit_job(const MachineText& job, const FileFetcher& fetch,
                                           const MeasurementPlan& plan);
 

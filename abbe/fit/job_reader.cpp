@@ -9,13 +9,13 @@
 
 #include "abbe/fit/choose_form.h"
 #include "abbe/fit/observations.h"
+#include "abbe/machine/expansion.h"
 #include "abbe/machine/toml_values.h"
 
 namespace abbe {
 namespace {
 
 constexpr double kPpm = 1e-6;
-constexpr double kStandardTemperature = 20;
 
 std::vector<std::string> with(std::vector<std::string> keys, std::initializer_list<const char*> more) {
   keys.insert(keys.end(), more.begin(), more.end());
@@ -352,8 +352,9 @@ void JobReader::take_points(const TomlNode& entry, const MeasuredTable& table, b
     const Body& axis = job_.machine.axis(i);
     axes.push_back(column(axis.name, axis.type == AxisType::rotary ? Quantity::angle : Quantity::length));
   }
+  const bool reads = !balls || table.find("x") != nullptr;
   for (const char* name : {"x", "y", "z"})
-    if (!balls) measured.push_back(column(name, Quantity::length));
+    if (reads) measured.push_back(column(name, Quantity::length));
   const MeasuredColumn* number = balls ? column("ball", Quantity::number) : nullptr;
   if (std::count(axes.begin(), axes.end(), nullptr) + std::count(measured.begin(), measured.end(), nullptr) >
           0 ||
@@ -362,18 +363,18 @@ void JobReader::take_points(const TomlNode& entry, const MeasuredTable& table, b
   for (std::size_t i = 0; i < table.rows(); ++i) {
     Pose& pose = points.poses.emplace_back();
     for (std::size_t k = 0; k < axes.size(); ++k) pose[k] = axes[k]->values[i];
-    if (balls) {
-      points.ball.push_back(static_cast<int>(std::clamp(number->values[i], -1e6, 1e6)));
-    } else {
-      points.measured.emplace_back(measured[0]->values[i], measured[1]->values[i], measured[2]->values[i]);
-    }
+    if (balls) points.ball.push_back(static_cast<int>(std::clamp(number->values[i], -1e6, 1e6)));
+    if (reads)
+      (balls ? points.readings : points.measured)
+          .emplace_back(measured[0]->values[i], measured[1]->values[i], measured[2]->values[i]);
   }
   job_.points.push_back(std::move(points));
 }
 
 void JobReader::read_points(const TomlNode& entry, bool balls) {
   refuse_other_keys(entry,
-                    balls ? std::vector<std::string>{"file", "noise"} : with(instrument_keys(), {"frame"}),
+                    balls ? std::vector<std::string>{"file", "noise", "sign", "nest", "places", "angles"}
+                          : with(instrument_keys(), {"frame"}),
                     balls ? "[[ball]]" : "[[points]]", findings_);
   FitPoints points;
   const auto instrument = instrument_of(entry, false);
@@ -382,11 +383,9 @@ void JobReader::read_points(const TomlNode& entry, bool balls) {
   if (!instrument) return;
   points.instrument = *instrument;
   if (plan_ && !balls) return plan_points(entry, std::move(points));
-  if (plan_) {
-    findings_.error("E-JOB-KIND", entry.mark, "touching balls cannot be planned",
-                    "where they lie is not stated", "leave the entry out");
-    return;
-  }
+  if (const TomlEntry* found = entry.find("nest"))
+    points.nest_on_work = read_choice(found->value, {"tool", "work"}, "nest", findings_).value_or(0) == 1;
+  if (plan_) return plan_ball_entry(entry, std::move(points));
   const std::optional<std::string> bytes = fetch(entry, points.file);
   if (!bytes) return;
   const Parsed<MeasuredTable> table = read_measured_table(points.file, *bytes);

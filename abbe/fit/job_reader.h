@@ -33,6 +33,8 @@ class JobReader {
   void read_functions(const TomlNode& table);
   void read_reference(const TomlNode& table);
   void read_locations(const TomlNode& list);
+  void read_thermal(const TomlNode& table);
+  void read_drift(const TomlNode& entry);
 
  private:
   using Pose = std::array<double, kMaxAxes>;
@@ -53,6 +55,7 @@ class JobReader {
   std::optional<RunTable> runs_of_entry(const TomlNode& entry, std::string& path, const Course& course);
   std::optional<RunTable> planned_runs(const TomlNode& entry, std::string& path, const Course& course);
   void plan_points(const TomlNode& entry, FitPoints points);
+  void plan_ball_entry(const TomlNode& entry, FitPoints points);
   bool plan_file(const TomlNode& entry, std::string& path);
   [[nodiscard]] Course course_of(const ErrorName& error) const;
   double thermal_of(const TomlNode& entry);
@@ -60,6 +63,9 @@ class JobReader {
   void warn_outside(const TomlNode& entry, const FitRun& run);
   void take_points(const TomlNode& entry, const MeasuredTable& table, bool balls, FitPoints points);
   void read_function(const TomlEntry& entry);
+  std::optional<DriftReading> drift_reading(const TomlEntry& entry);
+  bool take_log(const TomlNode& entry, const MeasuredTable& log, FitDrift& drift);
+  bool take_temperatures(const TomlNode& entry, const MeasuredTable& log, FitDrift& drift);
 
   FitJob& job_;
   FileUnits units_;

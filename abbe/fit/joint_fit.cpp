@@ -193,6 +193,17 @@ std::vector<NotDetermined> name_dependent(const IndependentColumns& columns, con
   return out;
 }
 
+/// Without instruments, and without locations that are not determined.
+Eigen::MatrixXd covariance_of_found(const Layout& layout, const IndependentColumns& columns,
+                                    const Eigen::MatrixXd& all) {
+  std::vector<Eigen::Index> found;
+  for (auto column = static_cast<Eigen::Index>(layout.nuisances); column < layout.columns; ++column)
+    if (column < layout.locations ||
+        std::find(columns.kept.begin(), columns.kept.end(), column) != columns.kept.end())
+      found.push_back(column);
+  return all(found, found);
+}
+
 std::vector<SetResidual> residuals(const Observations& observations, Rows& rows, const Eigen::VectorXd& x) {
   std::vector<SetResidual> out;
   Eigen::VectorXd row(x.size());
@@ -264,6 +275,7 @@ FitResult fit_jointly(const FitJob& job, const Observations& observations, const
     if (std::find(columns.kept.begin(), columns.kept.end(), column) != columns.kept.end())
       out.locations.push_back(value_at(unknowns.locations[k], column));
   }
+  out.covariance = covariance_of_found(layout, columns, solution.covariance);
   for (std::size_t k = 0; k < layout.nuisances; ++k)
     out.nuisances.push_back(value_at(observations.nuisances[k].name, static_cast<Eigen::Index>(k)));
   out.sets = residuals(observations, rows, solution.x);

@@ -47,6 +47,8 @@ struct FitResult {
   std::vector<NotDetermined> not_determined;
   std::vector<SetResidual> sets;
   std::size_t rows = 0, unknowns = 0, rank = 0;
+  /// Of all parameters together, um and urad: of each function mean, then reversal; then the locations.
+  Eigen::MatrixXd covariance;
   double variance_ratio = 1;  ///< sum of squared weighted residuals per degree of freedom
 };
 

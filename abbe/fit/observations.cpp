@@ -314,12 +314,14 @@ void Equations::add_balls(const FitPoints& points) {
                       "check the chain, the tool length and the units");
       return;
     }
+    Vec3 reading = points.readings.empty() ? Vec3(Vec3::Zero()) : points.readings[i];
+    if (!points.nest_on_work) reading = nominal_pose(plan_, all_.poses[pose]).R * reading;
     for (int k = 0; k < 3; ++k) {
-      // nominal + deviation = place of the ball
+      // nominal + deviation = place of the ball + reading
       Observation row;
       row.pose = pose;
       row.direction = Vec3::Unit(k);
-      row.value = first[k] - tip[k];
+      row.value = first[k] - tip[k] + points.instrument.sign * reading[k];
       row.sigma = points.instrument.noise.value_or(kAssumedLength);
       row.terms = {{place + static_cast<std::size_t>(k), -1}};
       all_.rows.push_back(std::move(row));

@@ -31,7 +31,4 @@ class UnitEffects {
   std::vector<Plan> plans_;
 };
 
-/// The index of a body by the axis part of an error's name; nullopt if the chain has none.
-[[nodiscard]] std::optional<int> body_of(const Machine& machine, const ErrorName& name);
-
 }  // namespace abbe

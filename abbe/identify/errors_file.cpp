@@ -118,12 +118,29 @@ std::string polynomial_of(const Identification& id, const Group& group, double u
   return fmt::format("{{ poly = [{}], domain = [{}, {}] }}", list, number(covered.lo), number(covered.hi));
 }
 
+/// The sum of an error's splines, by its values at their nodes.
+std::string spline_of(const Identification& id, const Group& group, double unit) {
+  const NodalSpline* first = nullptr;
+  for (const std::size_t k : group)
+    if (first == nullptr) first = id.terms[k].term.spline.get();
+  if (first == nullptr) return {};
+  std::string list;
+  for (const double q : first->nodes()) {
+    double value = 0;
+    for (const std::size_t k : group)
+      if (const auto& spline = id.terms[k].term.spline) value += id.terms[k].value / unit * (*spline)(q);
+    list += fmt::format("{}[{}, {}]", list.empty() ? "" : ", ", number(q), number(value));
+  }
+  return fmt::format("{{ table = [{}], interpolation = \"cubic\" }}", list);
+}
+
 std::string value_of(const Machine& machine, const Identification& id, const Group& group,
                      const Covered& covered) {
   const double unit = unit_of(id.terms[group.front()].term.name);
   std::vector<std::string> parts;
   if (std::string poly = polynomial_of(id, group, unit, covered); !poly.empty())
     parts.push_back(std::move(poly));
+  if (std::string spline = spline_of(id, group, unit); !spline.empty()) parts.push_back(std::move(spline));
   for (const std::size_t k : group) {
     const ModelTerm& term = id.terms[k].term;
     const double c = id.terms[k].value / unit;
@@ -143,6 +160,7 @@ std::string value_of(const Machine& machine, const Identification& id, const Gro
         parts.push_back(fmt::format("{{ poly = [0, {}], of = \"a.{}\" }}", number(c), axis));
         break;
       case Form::power:
+      case Form::spline:
         break;
     }
   }
@@ -168,6 +186,7 @@ double uncertainty_of(const Identification& id, const Group& group, const Covere
     const auto factor = [&](const ModelTerm& term) {
       switch (term.form) {
         case Form::power:
+        case Form::spline:
           return basis(term, at_position(term.axis, covered.lo + part * (covered.hi - covered.lo)));
         case Form::lost_motion:
           return 0.5;

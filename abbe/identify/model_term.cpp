@@ -35,10 +35,16 @@ class Chooser {
     using Form = ModelTerm::Form;
     const int along = direction_of(machine_.axis(axis));
     if (along < 0) return;
-    for (int n = 1; n <= choice_.positioning; ++n) add(Form::power, ErrorClass::component, along, axis, n);
-    for (int d = 0; d < 3; ++d)
-      for (int n = 2; n <= choice_.straightness; ++n)
-        if (d != along) add(Form::power, ErrorClass::component, d, axis, n);
+    const bool splines = choice_.splines > 0;
+    const int powers = splines ? std::min(choice_.positioning, 1) : choice_.positioning;
+    for (int n = 1; n <= powers; ++n) add(Form::power, ErrorClass::component, along, axis, n);
+    if (splines && choice_.positioning > 0) add_splines(along, axis);
+    for (int d = 0; d < 3; ++d) {
+      if (d == along) continue;
+      if (splines && choice_.straightness > 1) add_splines(d, axis);
+      for (int n = 2; !splines && n <= choice_.straightness; ++n)
+        add(Form::power, ErrorClass::component, d, axis, n);
+    }
     for (int d = 3; d < 6; ++d)
       for (int n = 1; n <= choice_.rotation; ++n) add(Form::power, ErrorClass::component, d, axis, n);
     for (int d = 0; d < 3; ++d)
@@ -54,12 +60,23 @@ class Chooser {
   std::vector<ModelTerm> take() { return std::move(terms_); }
 
  private:
-  void add(ModelTerm::Form form, ErrorClass error_class, int direction, int axis, int power) {
+  /// Two of the nodes less: a constant and a line are found elsewhere.
+  void add_splines(int direction, int axis) {
+    const Travel& travel = travel_[static_cast<std::size_t>(axis)];
+    for (int node = 1; node + 1 < choice_.splines && travel[0] < travel[1]; ++node) {
+      if (add(ModelTerm::Form::spline, ErrorClass::component, direction, axis, node))
+        terms_.back().spline = std::make_shared<const NodalSpline>(travel, choice_.splines, node);
+    }
+  }
+
+  bool add(ModelTerm::Form form, ErrorClass error_class, int direction, int axis, int power) {
     const Body& body = machine_.axis(axis);
-    ModelTerm term{form, {error_class, direction, body.name}, axis, power, {}};
+    ModelTerm term{form, {error_class, direction, body.name}, axis, power, {}, nullptr};
     if (form == ModelTerm::Form::power && direction < 3 && power > 1 && direction != direction_of(body))
       term.line = trend_line(power, travel_[static_cast<std::size_t>(axis)]);
-    if (carries(body, term.name)) terms_.push_back(term);
+    const bool acts = carries(body, term.name);
+    if (acts) terms_.push_back(term);
+    return acts;
   }
 
   const Machine& machine_;
@@ -77,6 +94,8 @@ double basis(const ModelTerm& term, const AxisState& state) {
       return 1;
     case ModelTerm::Form::power:
       return std::pow(state.q[i], term.power) - (term.line[0] + term.line[1] * state.q[i]);
+    case ModelTerm::Form::spline:
+      return (*term.spline)(state.q[i]);
     case ModelTerm::Form::lost_motion:
       return -0.5 * state.approach[i];
     case ModelTerm::Form::velocity:
@@ -95,6 +114,8 @@ std::string to_string(const ModelTerm& term, const Machine& machine) {
     case ModelTerm::Form::power:
       return term.power == 1 ? fmt::format("{} {}", name, axis)
                              : fmt::format("{} {}^{}", name, axis, term.power);
+    case ModelTerm::Form::spline:
+      return fmt::format("{} {} node {}", name, axis, term.power + 1);
     case ModelTerm::Form::lost_motion:
       return fmt::format("{} lost motion", name);
     case ModelTerm::Form::velocity:

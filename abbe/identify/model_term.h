@@ -1,9 +1,11 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
+#include "abbe/identify/nodal_spline.h"
 #include "abbe/machine/machine.h"
 
 namespace abbe {
@@ -21,15 +23,19 @@ struct AxisState {
 ///   off: the
 ///                                   trend over the tested travel, which the squareness contains, through
 ///                                   the middle of the travel, where the error is zero
+///   spline        c f(q)            static: f is a natural spline without trend (NodalSpline); the sum of
+///   all of
+///                                   an error is any natural spline with these nodes, but for its line
 ///   lost_motion   -c/2 for increasing, +c/2 for decreasing approach of the axis: c > 0 falls behind
 ///   velocity      c v               dynamic
 ///   acceleration  c a               dynamic
 struct ModelTerm {
-  enum class Form { constant, power, lost_motion, velocity, acceleration } form = Form::power;
+  enum class Form { constant, power, spline, lost_motion, velocity, acceleration } form = Form::power;
   ErrorName name;
-  int axis = 0;  ///< moving axis whose position, rate or approach is the variable
-  int power = 1;
+  int axis = 0;                  ///< moving axis whose position, rate or approach is the variable
+  int power = 1;                 ///< of a spline: its node, from 0
   std::array<double, 2> line{};  ///< offset and slope taken off
+  std::shared_ptr<const NodalSpline> spline;
 
   [[nodiscard]] bool is_dynamic() const { return form == Form::velocity || form == Form::acceleration; }
   friend bool operator==(const ModelTerm&, const ModelTerm&) = default;
@@ -52,6 +58,9 @@ struct TermChoice {
   bool velocity = true;       ///< D_aa of v.a
   bool acceleration = true;   ///< D_aa of a.a
   bool cross = false;         ///< D_ba of v.a and a.a as well
+  /// Nodes over the tested travel, 0 or 4..: E_aa (its first power stays) and E_ba are splines in place of
+  /// powers, where those are not 0.
+  int splines = 0;
 };
 
 /// Terms of the linear axes `moving` (indices of moving axes), in the order: squareness, then per axis

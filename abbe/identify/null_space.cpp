@@ -113,6 +113,8 @@ int readiness(std::size_t unknown, const std::vector<ModelTerm>& terms, std::siz
       return 50;
     case ModelTerm::Form::velocity:
       return 70;
+    case ModelTerm::Form::spline:
+      return 40;
     case ModelTerm::Form::power:
       return term.name.is_rotation() ? 90 + term.power : along ? 20 : 30 + term.power;
   }

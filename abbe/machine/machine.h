@@ -81,6 +81,12 @@ struct Variable {
   int axis = -1;     ///< of the moving axes; -1 for sensors
 };
 
+/// A sensor that nobody reads: another one through a first-order lag, tau dy/dt + y = u.
+struct LaggedSensor {
+  std::string name, of;
+  double lag = 0;  ///< tau, s, above 0
+};
+
 /// Where an error acts.
 inline constexpr int kToolBody = -1;
 inline constexpr int kWorkpieceBody = -2;
@@ -112,6 +118,7 @@ struct Machine {
   FileUnits units;
   std::vector<Variable> variables;  ///< first one position per moving axis (same index), then the others used
   std::vector<ErrorTerm> errors;    ///< in file order
+  std::vector<LaggedSensor> lagged_sensors;  ///< [sensors]
   Calibration calibration;
   ControlModel control;
   std::string sha256;              ///< of machine file, errors file if given apart, and CSV tables

@@ -187,6 +187,11 @@ std::vector<Mistake> mistakes() {
       {"E-UNCERTAINTY", five("[errors]\nEXY = 1\n[uncertainty]\n@EXZ = 1\n"), "EXZ = 0"},
       {"E-ERROR-NAME", five("[errors]\nEXY = 1\n[uncertainty]\n@uXY = 1\n"), ""},
       {"E-ERROR-TWICE", five("[errors]\nEC0Y = 1\n[uncertainty]\nEC0Y = 1\n@C0Y = 1\n"), ""},
+      // lagged sensors
+      {"E-SENSOR-LAG", five("[sensors]\n@slow = { of = \"T1\" }\n"), "lag = 1800"},
+      {"E-SENSOR-LAG", five("[sensors]\nslow = { of = \"T1\", lag = @0 }\n"), ""},
+      {"E-SENSOR-LAG", five("[sensors]\nslow = { of = @\"slow\", lag = 9 }\n"), ""},
+      {"E-UNKNOWN-KEY", five("[sensors]\nslow = { of = \"T1\", lag = 9, @gain = 2 }\n"), ""},
       // what does not fit together
       {"W-ORDER-LEAVES-OUT",
        five("[axis.Y]\norder = @[\"motion\", \"static\"]\n[errors]\nEXY = 1\nTXY = 1\nEC0Y = 2\n"), ""},

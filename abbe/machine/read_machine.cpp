@@ -14,6 +14,7 @@
 #include "abbe/machine/error_section.h"
 #include "abbe/machine/function_reader.h"
 #include "abbe/machine/machine_sections.h"
+#include "abbe/machine/sensor_section.h"
 #include "abbe/machine/toml_document.h"
 #include "abbe/machine/toml_values.h"
 
@@ -25,8 +26,10 @@ constexpr std::size_t kLargestMachineFile = std::size_t{1} << 24;
 constexpr std::size_t kLargestCsvFile = std::size_t{1} << 26;
 
 const std::vector<std::string> kMachineTables{"format",    "machine",     "units",  "axis",       "tool",
-                                              "workpiece", "calibration", "control",     "errors", "uncertainty"};
-const std::vector<std::string> kErrorTables{"format", "units", "calibration", "errors", "uncertainty"};
+                                              "workpiece", "calibration", "control",     "errors", "uncertainty",
+                                              "sensors",   "uncertainty_mode"};
+const std::vector<std::string> kErrorTables{"format", "units", "calibration", "errors", "uncertainty", "sensors",
+                                            "uncertainty_mode"};
 
 std::optional<TomlNode> read_document(const MachineText& text, Findings& findings) {
   if (text.text.size() > kLargestMachineFile) {
@@ -158,6 +161,7 @@ Parsed<Machine> read_machine(const MachineText& machine_text, const std::optiona
                                       functions, error_findings);
     machine.errors = std::move(errors.terms);
     machine.variables = variables.take();
+    machine.lagged_sensors = read_lagged_sensors(errors_file ? *errors_file : *root, error_findings);
     machine.files.insert(machine.files.end(), tables.files().begin(), tables.files().end());
     check_errors(machine, axes.notes, errors.notes, findings, error_findings);
     check_corrected_errors(*root, machine, findings);

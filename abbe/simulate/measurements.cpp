@@ -66,6 +66,31 @@ class Campaign {
     return text;
   }
 
+  /// An R-test: commands that hold the ideal tip in the ball, and where the true one is.
+  std::string read_balls(const ObservationSet& set, const FitPoints& points, const Machine& machine) {
+    std::string text;
+    for (int i = 0; i < machine.axis_count(); ++i)
+      text += machine.axis(i).name + (machine.axis(i).type == AxisType::rotary ? " [deg]," : " [mm],");
+    text += "ball,x [mm],y [mm],z [mm]\n";
+    const double noise = points.instrument.noise.value_or(noise_.length);
+    for (std::size_t i = 0; i < points.poses.size(); ++i) {
+      for (int k = 0; k < machine.axis_count(); ++k)
+        text += to_shortest(points.poses[i][static_cast<std::size_t>(k)] /
+                            (machine.axis(k).type == AxisType::rotary ? deg : mm)) +
+                ",";
+      text += fmt::format("{}", points.ball[i]);
+      Vec3 seen;
+      for (Eigen::Index k = 0; k < 3; ++k)
+        seen[k] = reading(planned_.rows[set.begin + 3 * i + static_cast<std::size_t>(k)]);
+      const Query& query = planned_.poses[planned_.rows[set.begin + 3 * i].pose];
+      if (!points.nest_on_work) seen = nominal_pose(ideal_, query).R.transpose() * seen;
+      for (Eigen::Index k = 0; k < 3; ++k)
+        text += "," + to_shortest(points.instrument.sign * seen[k] + noise * random_.normal());
+      text += '\n';
+    }
+    return text;
+  }
+
  private:
   static Machine without_errors(Machine machine) {
     machine.errors.clear();
@@ -108,7 +133,8 @@ std::vector<SimulatedFile> simulate_measurements(const FitJob& job, const Observ
   for (const FitDiagonal& diagonal : job.diagonals)
     files.push_back({diagonal.file, write_runs(campaign.read(*set++, diagonal.runs, diagonal.instrument))});
   for (const FitPoints& points : job.points)
-    files.push_back({points.file, campaign.read_points(*set++, points, job.machine)});
+    files.push_back({points.file, points.ball.empty() ? campaign.read_points(*set++, points, job.machine)
+                                                      : campaign.read_balls(*set++, points, job.machine)});
   return files;
 }
 

@@ -13,6 +13,7 @@
 #include "abbe/report/ballbar_figure.h"
 #include "abbe/report/json_writer.h"
 #include "ballbar_source.h"
+#include "bus_record.h"
 #include "common.h"
 #include "output_file.h"
 #include "verbs.h"
@@ -26,7 +27,7 @@ struct BallbarVerb {
   BallbarArguments source;
   std::vector<std::string> pitch;
   bool no_search = false, json = false;
-  std::string svg, out;
+  std::string bus, svg, out;
 };
 
 /// One test with everything that is said about it.
@@ -220,6 +221,10 @@ bool is_xml(std::string_view text) {
 void run_ballbar(const BallbarVerb& verb, Session& session) {
   const std::optional<BallbarDefaults> defaults = ballbar_defaults(verb.source, session);
   if (!defaults) return;
+  if (!verb.bus.empty() && verb.source.files.size() != 1) {
+    session.report(option_error("--bus", "one record belongs to one test", "name one test"));
+    return;
+  }
   std::vector<Answer> answers;
   std::vector<std::pair<std::string, B5rReport>> reports;
   for (const std::string& file : verb.source.files) {
@@ -235,6 +240,8 @@ void run_ballbar(const BallbarVerb& verb, Session& session) {
     Parsed<BallbarTest> test = read_ballbar(name, *text, *defaults);
     session.report(test.diagnostics);
     if (!test.value) continue;
+    if (!verb.bus.empty()) test.value = with_bus(std::move(*test.value), verb.bus, session);
+    if (!test.value) return;
     const auto options = diagnosis_options(verb, test.value->plane, session);
     if (!options) return;
     TestFigures figures = circular_figures(*test.value);
@@ -268,6 +275,8 @@ Verb ballbar_verb(CLI::App& program, Session& session) {
   add_ballbar_options(*command, verb->source);
   command->add_option("--pitch", verb->pitch, "screw pitches for cyclic errors: X=5,Y=5")->type_name("A=MM");
   command->add_flag("--no-search", verb->no_search, "do not look for cyclic errors and reversal spikes");
+  command->add_option("--bus", verb->bus, "positions of the drives while it ran: CSV of `abbe capture`; --out gets them")
+      ->type_name("FILE");
   command->add_option("--svg", verb->svg, "polar plot with causes (SVG)")->type_name("FILE");
   command->add_option("--out", verb->out, "the trace in the neutral format (CSV)")->type_name("FILE");
   command->add_flag("--json", verb->json, "JSON instead of text");

@@ -14,6 +14,7 @@
 #include "abbe/core/units.h"
 #include "abbe/machine/read_machine.h"
 #include "csv.h"
+#include "environment_log.h"
 
 namespace abbe::app {
 namespace {
@@ -64,6 +65,11 @@ void read_environment_file(const Machine& machine, const std::string& path, Sess
     return;
   }
   auto& reader = std::get<CsvReader>(opened);
+  if (is_log_header(reader.header())) {
+    for (const auto& [name, value] : last_of_log(machine, path, session, diagnostics))
+      set_value(machine, path, name, value, environment, diagnostics);
+    return;
+  }
   const bool has_row = reader.next();
   std::vector<double> values;
   for (std::size_t column = 0; has_row && column < reader.header().size(); ++column) {
@@ -166,7 +172,8 @@ void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& ses
   verb.add_option("--set", arguments.set, "values of sensors and of t: T1=23.4,t=0")
       ->type_name("NAME=VALUE,..")
       ->allow_extra_args(false);
-  verb.add_option("--environment", arguments.environment, "values of sensors: CSV with a header and one row")
+  verb.add_option("--environment", arguments.environment,
+                  "values of sensors: CSV with a header and one row, or a log with time [s]")
       ->type_name("FILE");
   verb.add_option("--approach", arguments.approach, "direction of the last motion of axes: X=+,Y=-")
       ->type_name("AXIS=+|-|0,..")
@@ -352,6 +359,11 @@ std::optional<Plan> plan_or_report(const Setting& setting, const Environment& en
     missing.why = "without it the error is unknown, and an assumed value would be a wrong correction";
     missing.fix =
         fmt::format("--set {}=VALUE, a column '{}' of --points or of --environment", sensor, sensor);
+    for (const LaggedSensor& lagged : setting.machine.lagged_sensors)
+      if (lagged.name == sensor)
+        missing.fix = fmt::format(
+            "--environment LOG.csv with columns time [s] and {} [degC]: it is {} through a lag of {:g} s",
+            lagged.of, lagged.of, lagged.lag);
     session.report(missing);
   }
   return std::nullopt;

@@ -34,7 +34,8 @@ struct CommonArguments {
 /// Those that name the machine, and how to answer.
 void add_machine_options(CLI::App& verb, CommonArguments& arguments, Session& session);
 void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& session);
-/// --skew, --scale, --pitch as well: then MACHINE is left out. After add_machine_options or add_common_options.
+/// --skew, --scale, --pitch as well: then MACHINE is left out. After add_machine_options or
+/// add_common_options.
 void allow_quick_machine(CLI::App& verb, CommonArguments& arguments);
 
 /// `--at`, `--set`, `--gauge` and their like: "A=1,B=2" of one or several options, in order.

@@ -14,6 +14,7 @@
 #include "abbe/fit/joint_fit.h"
 #include "abbe/report/json_writer.h"
 #include "common.h"
+#include "fit_thermal.h"
 #include "output_file.h"
 #include "verbs.h"
 
@@ -24,7 +25,7 @@ using Layout = JsonWriter::Layout;
 
 struct FitArguments {
   std::string job, output;
-  bool json = false;
+  bool json = false, covariance = false;
 };
 
 /// A fit with everything it worked on.
@@ -32,6 +33,7 @@ struct FitAnswer {
   FitJob job;
   Observations observations;
   FitResult result;
+  ThermalFit thermal;
   std::string errors;  ///< the errors file
   double second_order =
       0;  ///< mm: most that the rigid model differs from the first-order one at a pose measured
@@ -68,7 +70,7 @@ void report_doubts(const FitJob& job, const FitResult& result, Session& session)
                   "the form of a function, the measuring point, or an error that was not measured",
                   "look at the residuals; another form, pitch, or the missing runs"));
   }
-  if (result.rows <= result.rank)
+  if (result.rows <= result.rank && result.unknowns > 0)
     session.report(
         about_job(job, Severity::warning, "W-FIT-FREEDOM", "there are no more equations than unknowns",
                   "nothing is left to judge the fit by; uncertainties are those of the instruments",
@@ -101,7 +103,8 @@ double second_order(const Machine& machine, const Observations& observations) {
   return most;
 }
 
-std::optional<FitAnswer> answer_of(const std::string& path, Session& session) {
+std::optional<FitAnswer> answer_of(const FitArguments& arguments, Session& session) {
+  const std::string& path = arguments.job;
   const std::optional<std::string> text = read_input(path, session);
   if (!text) return std::nullopt;
   Parsed<FitJob> job = read_fit_job({path, *text}, fetch_file);
@@ -113,14 +116,17 @@ std::optional<FitAnswer> answer_of(const std::string& path, Session& session) {
   const Parsed<Unknowns> unknowns = unknowns_of(*job.value, *observations.value);
   session.report(unknowns.diagnostics);
   if (!unknowns.value) return std::nullopt;
-  FitAnswer answer{std::move(*job.value), std::move(*observations.value), {}, {}, 0};
+  const std::optional<ThermalFit> thermal = thermal_or_report(*job.value, session);
+  if (!thermal) return std::nullopt;
+  FitAnswer answer{std::move(*job.value), std::move(*observations.value), {}, *thermal, {}, 0};
   answer.result = fit_jointly(answer.job, answer.observations, *unknowns.value);
   if (answer.result.status != FitResult::Status::ok) {
     session.report(about_job(answer.job, Severity::error, "E-RANGE",
                              "the numbers are too large to calculate with", "", "check units and positions"));
     return std::nullopt;
   }
-  answer.errors = write_errors_file(answer.job, answer.result);
+  answer.errors = write_errors_file(answer.job, answer.result, answer.thermal);
+  if (arguments.covariance) answer.errors += write_uncertainty_modes(answer.result);
   const std::optional<Machine> machine = read_back(answer, session);
   if (!machine) return std::nullopt;
   answer.second_order = second_order(*machine, answer.observations);
@@ -163,7 +169,7 @@ std::string text_of(const FitAnswer& answer) {
     if (!missing.like.empty() || missing.asked)
       text += fmt::format("  {:<6} not determined: {}\n", missing.name,
                           missing.like.empty() ? "nothing shows it" : "like " + listed_names(missing.like));
-  return text;
+  return text + thermal_text(answer.thermal);
 }
 
 void write_found(JsonWriter& json, const FitResult& result) {
@@ -215,14 +221,17 @@ std::string json_of(const FitAnswer& answer) {
         .member("value", value.value)
         .member("u", value.u)
         .end();
-  json.end().end();
+  json.end();
+  if (!answer.thermal.models.empty()) write_thermal(json, answer.thermal);
+  json.end();
   return json.take();
 }
 
 void run_fit(const FitArguments& arguments, Session& session) {
-  const std::optional<FitAnswer> answer = answer_of(arguments.job, session);
+  const std::optional<FitAnswer> answer = answer_of(arguments, session);
   if (!answer) return;
   report_doubts(answer->job, answer->result, session);
+  report_thermal_doubts(answer->job, answer->thermal, session);
   if (!arguments.output.empty() && (!is_apart("-o", arguments.output, answer->job.files, session) ||
                                     !publish_text(arguments.output, answer->errors, session)))
     return;
@@ -237,6 +246,8 @@ Verb fit_verb(CLI::App& program, Session& session) {
   auto arguments = std::make_shared<FitArguments>();
   command->add_option("job", arguments->job, "what was measured where (TOML)")->required()->type_name("JOB");
   command->add_option("-o,--output", arguments->output, "errors file for --errors")->type_name("FILE");
+  command->add_flag("--covariance", arguments->covariance,
+                    "writes how the errors are uncertain together, for map --uncertainty");
   command->add_flag("--json", arguments->json, "JSON on standard output");
   command->add_flag("--strict", session.strict, "warnings end with exit code 4");
   return {command, [arguments, &session] { run_fit(*arguments, session); }};

@@ -38,6 +38,9 @@ void add_model_options(CLI::App& verb, IdentifyArguments& a) {
   verb.add_option("--straightness", a.terms.straightness, "powers of straightness errors, 0 = none (3)")
       ->check(order);
   verb.add_option("--rotation", a.terms.rotation, "powers of rotations, 0 = none (1)")->check(order);
+  verb.add_option("--splines", a.terms.splines,
+                  "positioning and straightness as splines with so many nodes over the tested travel")
+      ->check(CLI::Range(4, 40));
   verb.add_flag("--lateral-play", a.terms.lateral_play, "lost motion across the axes as well");
   verb.add_flag("--cross", a.terms.cross, "velocity and acceleration act across the axes as well");
   verb.add_flag("--no-lost-motion", a.no_lost_motion, "no lost motion");

@@ -44,16 +44,19 @@ std::string spelling_hint(const CLI::App& program, const std::vector<std::string
       const std::optional<std::string> like = closest(name, known);
       return fmt::format("unknown option {}{}", name, like ? fmt::format("; did you mean {}?", *like) : "");
     }
-    if (command == nullptr && !word.starts_with("-")) {
-      std::vector<std::string> verbs;
-      for (const CLI::App* verb : program.get_subcommands({})) {
-        if (verb->get_name() == word) command = verb;
-        verbs.push_back(verb->get_name());
-      }
-      if (command != nullptr) continue;
-      const std::optional<std::string> like = closest(word, verbs);
+    const std::vector<const CLI::App*> kinds = (command != nullptr ? *command : program).get_subcommands({});
+    if (kinds.empty() || word.starts_with("-")) continue;
+    std::vector<std::string> names;
+    const CLI::App* found = nullptr;
+    for (const CLI::App* kind : kinds) {
+      if (kind->get_name() == word) found = kind;
+      names.push_back(kind->get_name());
+    }
+    if (found == nullptr) {
+      const std::optional<std::string> like = closest(word, names);
       return fmt::format("unknown verb '{}'{}", word, like ? fmt::format("; did you mean {}?", *like) : "");
     }
+    command = found;
   }
   return {};
 }
@@ -88,6 +91,9 @@ int run(int argc, char** argv) {
       compensate_verb(program, session),
       check_verb(program, session),
       verify_verb(program, session),
+      toolpath_verb(program, session),
+      machine_verb(program, session),
+      inspect_verb(program, session),
       diff_verb(program, session),
       explain_verb(program, session),
       profiles_verb(program, session),
@@ -99,6 +105,7 @@ int run(int argc, char** argv) {
       evaluate_verb(program, session),
       fit_verb(program, session),
       simulate_verb(program, session),
+      gear_verb(program, session),
   };
   const std::vector<std::string> words(argv + 1, argv + argc);
   try {

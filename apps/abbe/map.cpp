@@ -12,6 +12,7 @@
 #include "abbe/report/volume_figure.h"
 #include "common.h"
 #include "map_report.h"
+#include "map_uncertainty.h"
 #include "map_volume.h"
 #include "progress.h"
 #include "verbs.h"
@@ -24,6 +25,7 @@ constexpr std::size_t kRowsAtOnce = 512;
 struct MapArguments {
   CommonArguments common;
   VolumeArguments volume;
+  MapUncertaintyArguments uncertainty;
   std::string csv, svg;
   int most = 15;
 };
@@ -56,7 +58,7 @@ bool outputs_are_apart(const MapArguments& arguments, const Machine& machine, Se
 }
 
 bool write_csv(SpoolFile& file, const MapAnswer& answer) {
-  std::string rows = csv_header(answer.setting.machine);
+  std::string rows = csv_header(answer);
   const std::size_t points = answer.map.field.deviation.size();
   for (std::size_t i = 0; i < points; ++i) {
     append_csv_row(rows, answer, i);
@@ -114,7 +116,13 @@ void run_map(const MapArguments& arguments, Session& session) {
     return;
   }
 
-  MapAnswer answer{*setting, *question, map};
+  std::optional<VolumeUncertainty> uncertainty;
+  if (arguments.uncertainty.wanted) {
+    uncertainty =
+        uncertainty_or_report(arguments.uncertainty, *setting, *question, arguments.common.errors, session);
+    if (!uncertainty) return;
+  }
+  MapAnswer answer{*setting, *question, map, uncertainty ? &*uncertainty : nullptr};
   for (std::size_t i = 0; i < map.field.deviation.size(); ++i)
     if (setting->limits.pass(map.field.deviation[i].norm(), map.field.tilt[i])) ++answer.within;
   answer.pass = answer.within == map.field.deviation.size();
@@ -132,6 +140,7 @@ Verb map_verb(CLI::App& program, Session& session) {
   auto arguments = std::make_shared<MapArguments>();
   add_common_options(*command, arguments->common, session);
   add_volume_options(*command, arguments->volume);
+  add_uncertainty_options(*command, arguments->uncertainty);
   command->add_option("--csv", arguments->csv, "every point of the grid: CSV")->type_name("FILE");
   command->add_option("--svg", arguments->svg, "overview: slices, error budget, diagonals (SVG)")
       ->type_name("FILE");

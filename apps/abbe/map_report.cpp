@@ -9,6 +9,7 @@
 #include "abbe/core/number.h"
 #include "abbe/core/units.h"
 #include "abbe/report/json_writer.h"
+#include "map_uncertainty.h"
 #include "map_volume.h"
 #include "text.h"
 
@@ -306,7 +307,9 @@ void write_budget(JsonWriter& json, const MapAnswer& answer) {
 
 std::string map_text(const MapAnswer& answer, std::size_t most) {
   return heading_text(answer) + deviation_text(answer) + accuracy_text(answer) + diagonals_text(answer) +
-         budget_text(answer, most) + closing_text(answer);
+         budget_text(answer, most) +
+         (answer.uncertainty != nullptr ? uncertainty_text(*answer.uncertainty) : std::string()) +
+         closing_text(answer);
 }
 
 std::string map_json(const MapAnswer& answer) {
@@ -339,6 +342,7 @@ std::string map_json(const MapAnswer& answer) {
   json.end();
   write_diagonals(json, answer);
   write_budget(json, answer);
+  if (answer.uncertainty != nullptr) write_uncertainty(json, *answer.uncertainty);
   json.member("extrapolated", map.field.extrapolated_names);
   json.member("extrapolated_points", static_cast<std::uint64_t>(map.extrapolated));
   json.member("outside_travel", outside_travel(machine, answer.question.grid));
@@ -350,10 +354,12 @@ std::string map_json(const MapAnswer& answer) {
   return json.take();
 }
 
-std::string csv_header(const Machine& machine) {
+std::string csv_header(const MapAnswer& answer) {
+  const Machine& machine = answer.setting.machine;
   std::string header;
   for (int i = 0; i < machine.axis_count(); ++i) header += machine.axis(i).name + ',';
-  return header + "dx_um,dy_um,dz_um,distance_um,ex_urad,ey_urad,ez_urad,tilt_urad,extrapolated\n";
+  return header + "dx_um,dy_um,dz_um,distance_um,ex_urad,ey_urad,ez_urad,tilt_urad," +
+         (answer.uncertainty != nullptr ? "u_x_um,u_y_um,u_z_um," : "") + "extrapolated\n";
 }
 
 void append_csv_row(std::string& out, const MapAnswer& answer, std::size_t point) {
@@ -370,6 +376,7 @@ void append_csv_row(std::string& out, const MapAnswer& answer, std::size_t point
   number(field.deviation[point].norm() / um);
   for (int c = 0; c < 3; ++c) number(field.rotation[point][c] / urad);
   number(field.tilt[point] / urad);
+  for (int c = 0; answer.uncertainty != nullptr && c < 3; ++c) number(answer.uncertainty->u[point][c] / um);
   out += field.extrapolated[point] != 0 ? "1\n" : "0\n";
 }
 

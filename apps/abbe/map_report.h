@@ -4,6 +4,7 @@
 #include <string>
 
 #include "abbe/volume/map.h"
+#include "abbe/volume/uncertainty.h"
 #include "common.h"
 
 namespace abbe::app {
@@ -13,7 +14,8 @@ struct MapAnswer {
   const Setting& setting;
   const VolumeQuestion& question;
   const VolumeMap& map;
-  std::size_t within = 0;  ///< points within the limits, if some are given
+  const VolumeUncertainty* uncertainty = nullptr;  ///< if it was asked for
+  std::size_t within = 0;                          ///< points within the limits, if some are given
   bool pass = true;
 };
 
@@ -25,7 +27,7 @@ struct MapAnswer {
 
 /// CSV: a header, then one row per point, in the order of the grid. Positions are in the units of the
 /// machine file under the names of the axes, so that the file is also one for --points.
-[[nodiscard]] std::string csv_header(const Machine& machine);
+[[nodiscard]] std::string csv_header(const MapAnswer& answer);
 void append_csv_row(std::string& out, const MapAnswer& answer, std::size_t point);
 
 }  // namespace abbe::app

@@ -12,6 +12,7 @@
 #include "abbe/core/units.h"
 #include "abbe/report/json_writer.h"
 #include "common.h"
+#include "expansion_options.h"
 #include "point_source.h"
 #include "progress.h"
 #include "text.h"
@@ -99,7 +100,8 @@ std::string block_text(const Setting& setting, const Query& query, const Predict
         fmt::format("\nextrapolated    {} (held beyond their last value)\n", joined(prediction.extrapolated));
   }
   const std::vector<std::string> of_one_test = errors_of_one_test(setting.machine);
-  if (!of_one_test.empty()) text += fmt::format("\nof one test     {} (never compensated)\n", joined(of_one_test));
+  if (!of_one_test.empty())
+    text += fmt::format("\nof one test     {} (never compensated)\n", joined(of_one_test));
   const std::vector<std::string> outside = outside_travel(setting.machine, query.q);
   if (!outside.empty()) text += fmt::format("\noutside travel  {}\n", joined(outside));
   if (setting.limits.given()) text += fmt::format("\nlimits          {}\n", pass ? "pass" : "FAIL");
@@ -146,9 +148,13 @@ std::string summary_text(const Setting& setting, const Summary& summary) {
   return text;
 }
 
-void predict_points(const CommonArguments& common, const PointArguments& arguments, Session& session) {
-  const std::optional<Setting> setting = load_setting(common, session);
+void predict_points(const CommonArguments& common, const PointArguments& arguments,
+                    const ExpansionArguments& expansion, Session& session) {
+  std::optional<Setting> setting = load_setting(common, session);
   if (!setting) return;
+  auto expanded = expanded_or_report(expansion, std::move(setting->machine), session);
+  if (!expanded) return;
+  setting->machine = std::move(*expanded);
   std::optional<PointSource> source = PointSource::open(arguments, *setting, session);
   if (!source) return;
 
@@ -212,8 +218,12 @@ Verb predict_verb(CLI::App& program, Session& session) {
   auto arguments = std::make_shared<PointArguments>();
   add_common_options(*command, *common, session);
   allow_quick_machine(*command, *common);
+  auto expansion = std::make_shared<ExpansionArguments>();
   add_point_options(*command, *arguments);
-  return {command, [common, arguments, &session] { predict_points(*common, *arguments, session); }};
+  add_expansion_options(*command, *expansion);
+  return {command, [common, arguments, expansion, &session] {
+            predict_points(*common, *arguments, *expansion, session);
+          }};
 }
 
 }  // namespace abbe::app

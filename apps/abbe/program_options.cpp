@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
@@ -128,6 +129,7 @@ void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) 
   verb.add_option("--start", a.start, "machine position before the program, e.g. X0,Y0,Z0,C90; rotary axes stand at 0 where not given")->delimiter(';');
   verb.add_option("--block-delete", a.block_delete, "blocks with '/': on = skipped, off = executed")->check(CLI::IsMember({"on", "off"}));
   verb.add_option("--tool-change", a.tool_change, "moves: after M6 the axes may stand elsewhere; keeps: they stand where they were")->check(CLI::IsMember({"moves", "keeps"}))->capture_default_str();
+  add_expansion_options(verb, a.expansion);
   verb.add_option("--datum", a.datum, "probed: the work offset was touched off on this machine; ideal: it is true")->check(CLI::IsMember({"probed", "ideal"}))->capture_default_str();
   verb.add_option("--tolerance-um", a.tolerance_um, "what interpolation may leave")->check(CLI::Range(0.01, 1000.0))->capture_default_str();
   verb.add_option("--max-correction-um", a.max_correction_um, "larger corrections are refused")->check(CLI::Range(1.0, 1e5))->capture_default_str();
@@ -151,9 +153,33 @@ bool settle_files(CommonArguments& arguments, const std::vector<std::string*>& f
   return false;
 }
 
+namespace {
+
+/// Adds the workpiece's expansion; false after reporting why that would be a guess.
+bool expand_workpiece(const ProgramArguments& a, const std::string& program, Setting& setting, Session& session) {
+  if (!a.expansion.temperature && !a.expansion.ppm) return true;
+  const Machine& machine = setting.machine;
+  const bool turns = std::any_of(machine.bodies.begin(), machine.bodies.end(), [](const Body& body) { return body.type == AxisType::rotary; });
+  const char* why = a.datum != "probed" ? "with --datum ideal nothing says which point of the part stays"
+                    : is_cl_data(a.profile.dialect, program) ? "CL data do not say where the part is held"
+                    : turns ? "with rotary axes it depends on the length of each tool"
+                            : nullptr;
+  if (why != nullptr) {
+    Diagnostic error = option_error("--workpiece-temperature", std::string("the expansion has no centre: ") + why, "programs of linear axes with --datum probed expand about their work offset");
+    error.code = "E-EXPANSION";
+    session.report(error);
+    return false;
+  }
+  auto expanded = expanded_or_report(a.expansion, std::move(setting.machine), session);
+  if (expanded) setting.machine = std::move(*expanded);
+  return expanded.has_value();
+}
+
+}  // namespace
+
 std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, const std::string& program, Session& session) {
   auto setting = load_controlled_setting(a.common, session);
-  if (!setting) return std::nullopt;
+  if (!setting || !expand_workpiece(a, program, *setting, session)) return std::nullopt;
   const double unit = setting->machine.units.length;
   Diagnostics findings;
   ControlSetup setup;

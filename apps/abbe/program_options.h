@@ -8,6 +8,7 @@
 #include "abbe/pipeline/compensate_program.h"
 #include "cl_options.h"
 #include "common.h"
+#include "expansion_options.h"
 #include "profile_options.h"
 #include "session.h"
 
@@ -24,6 +25,7 @@ struct ProgramArguments {
   bool reversal = false;
   std::string report, figure;
   ClArguments cl;
+  ExpansionArguments expansion;
 };
 
 void add_program_options(CLI::App& verb, ProgramArguments& arguments, Session& session);

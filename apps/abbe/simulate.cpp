@@ -9,7 +9,8 @@ Verb simulate_verb(CLI::App& program, Session& session) {
   command->require_subcommand(1);
   const std::vector<Verb> kinds = {simulate_capture_verb(*command, session),
                                    simulate_ballbar_verb(*command, session),
-                                   simulate_measurements_verb(*command, session)};
+                                   simulate_measurements_verb(*command, session),
+                                   simulate_drift_verb(*command, session)};
   return {command, [kinds] {
             for (const Verb& kind : kinds) {
               if (kind.command->parsed()) kind.run();

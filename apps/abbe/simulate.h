@@ -8,5 +8,6 @@ namespace abbe::app {
 [[nodiscard]] Verb simulate_capture_verb(CLI::App& simulate, Session& session);
 [[nodiscard]] Verb simulate_ballbar_verb(CLI::App& simulate, Session& session);
 [[nodiscard]] Verb simulate_measurements_verb(CLI::App& simulate, Session& session);
+[[nodiscard]] Verb simulate_drift_verb(CLI::App& simulate, Session& session);
 
 }  // namespace abbe::app

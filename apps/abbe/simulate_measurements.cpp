@@ -1,6 +1,5 @@
 #include <fmt/core.h>
 
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -9,11 +8,10 @@
 
 #include "abbe/chain/plan.h"
 #include "abbe/fit/observations.h"
-#include "abbe/machine/read_machine.h"
 #include "abbe/simulate/measurements.h"
 #include "common.h"
-#include "output_file.h"
 #include "simulate.h"
+#include "simulated_job.h"
 
 namespace abbe::app {
 namespace {
@@ -26,36 +24,14 @@ struct SimulateMeasurementsArguments {
   std::uint64_t seed = 1;
 };
 
-/// The job's machine with the hidden errors.
-std::optional<Machine> hidden_machine(const FitJob& job, const std::string& errors, Session& session) {
-  Parsed<Machine> machine = read_machine_file(job.machine.files.front(), errors);
-  session.report(machine.diagnostics);
-  return std::move(machine.value);
-}
-
-/// False after naming a file that is there already: it may be a real measurement.
-bool none_exists(const std::vector<SimulatedFile>& files, Session& session) {
-  for (const SimulatedFile& file : files) {
-    std::error_code error;
-    if (!std::filesystem::exists(file.path, error)) continue;
-    session.report(option_error("JOB", fmt::format("'{}' is there already", file.path),
-                                "--force overwrites it; a real measurement would be lost"));
-    return false;
-  }
-  return true;
-}
-
 void run_simulate_measurements(SimulateMeasurementsArguments arguments, Session& session) {
-  const std::optional<std::string> text = read_input(arguments.job, session);
-  if (!text) return;
   arguments.plan.bidirectional = !arguments.one_way;
-  const Parsed<FitJob> job = plan_fit_job({arguments.job, *text}, fetch_file, arguments.plan);
-  session.report(job.diagnostics);
-  if (!job.value) return;
-  const Parsed<Observations> planned = observations_of(*job.value);
+  const auto job = planned_job(arguments.job, arguments.plan, session);
+  if (!job) return;
+  const Parsed<Observations> planned = observations_of(*job);
   session.report(planned.diagnostics);
   if (!planned.value) return;
-  const std::optional<Machine> hidden = hidden_machine(*job.value, arguments.errors, session);
+  const std::optional<Machine> hidden = hidden_machine(*job, arguments.errors, session);
   if (!hidden) return;
   if (!std::holds_alternative<Plan>(make_plan(*hidden, {}))) {
     session.report(
@@ -65,11 +41,8 @@ void run_simulate_measurements(SimulateMeasurementsArguments arguments, Session&
   SimulatedNoise noise;
   noise.length = arguments.noise_um * um;
   noise.angle = arguments.noise_arcsec * arcsec;
-  const auto files = simulate_measurements(*job.value, *planned.value, *hidden, noise, arguments.seed);
-  if (!arguments.force && !none_exists(files, session)) return;
-  std::vector<OutputText> outputs;
-  for (const SimulatedFile& file : files) outputs.push_back({file.path, file.text});
-  if (!publish_texts(outputs, session)) return;
+  const auto files = simulate_measurements(*job, *planned.value, *hidden, noise, arguments.seed);
+  if (!publish_simulated(files, arguments.force, session)) return;
   session.out.write(fmt::format("{} files of measurements on {}\n", files.size(), hidden->name));
 }
 

@@ -30,10 +30,14 @@ struct Verb {
 [[nodiscard]] Verb compensate_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb check_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb verify_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb machine_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb inspect_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb toolpath_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb diff_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb explain_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb profiles_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb evaluate_verb(CLI::App& program, Session& session);
 [[nodiscard]] Verb fit_verb(CLI::App& program, Session& session);
+[[nodiscard]] Verb gear_verb(CLI::App& program, Session& session);
 
 }  // namespace abbe::app

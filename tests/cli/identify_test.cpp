@@ -4,10 +4,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <string>
+#include <vector>
 
 #include "run_program.h"
 
@@ -154,6 +158,61 @@ TEST_F(Identify, SimulatedBusIsACapture) {
   ASSERT_EQ(run.exit, 0) << run.err;
   EXPECT_THAT(content(folder_ / "b1.csv"), HasSubstr("x_cmd_mm"));
   EXPECT_GT(content(folder_ / "b1.pcap").size(), 100000U);
+}
+
+// From the bus alone: the capture of the test, joined by angle, gives back the positions that were recorded
+// with it, and the identification what the servo sees.
+TEST_F(Identify, ACaptureJoinsItsTrace) {
+  const ProgramRun simulated =
+      abbe({"simulate", "ballbar", hidden_, "--test", "plane=XY,radius=100,feed=3000,samples=400", "--lag",
+            "X=1,Y=4", "--bus", "--positions", "--out", folder_ / "j"});
+  ASSERT_EQ(simulated.exit, 0) << simulated.err;
+  const std::string bus = folder_ / "bus.csv", joined = folder_ / "joined.csv", trace = folder_ / "j1.csv";
+  const ProgramRun captured =
+      abbe({"capture", folder_ / "j1.pcap", "--axis", "X=1001:100000/mm,Y=1002:100000/mm", "-o", bus});
+  ASSERT_EQ(captured.exit, 0) << captured.err;
+  const ProgramRun run = abbe({"ballbar", trace, "--bus", bus, "--out", joined});
+  ASSERT_EQ(run.exit, 0) << run.err;
+  const auto rows = [&](const std::string& path) {
+    std::vector<std::map<std::string, std::string>> out;
+    std::vector<std::string> header;
+    std::istringstream text(content(path));
+    for (std::string line; std::getline(text, line);) {
+      if (line.empty() || line[0] == '#') continue;
+      std::vector<std::string> cells;
+      std::istringstream row(line);
+      for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+      if (header.empty()) {
+        header = cells;
+        continue;
+      }
+      auto& named = out.emplace_back();
+      for (std::size_t i = 0; i < header.size(); ++i) named[header[i]] = cells[i];
+    }
+    return out;
+  };
+  const auto was = rows(trace), is = rows(joined);
+  ASSERT_EQ(was.size(), is.size());
+  double lag = 0;
+  for (std::size_t i = 0; i < was.size(); ++i) {
+    for (const char* column : {"x_mm", "y_mm", "x_cmd_mm", "y_cmd_mm"})
+      ASSERT_NEAR(std::stod(is[i].at(column)), std::stod(was[i].at(column)), 1e-4) << column << ' ' << i;
+    lag = std::max(lag, std::abs(std::stod(is[i].at("y_mm")) - std::stod(is[i].at("y_cmd_mm"))));
+  }
+  EXPECT_NEAR(lag, 50 * 0.004, 0.02) << "feed 50 mm/s, 4 ms";
+  const ProgramRun identified = abbe({"identify", mill_, joined, "--json", "--rotation", "0"});
+  ASSERT_EQ(identified.exit, 0) << identified.err;
+  EXPECT_GT(json::parse(identified.out)["runs"][0]["servo_um"], 10);
+
+  EXPECT_THAT(abbe({"ballbar", trace, "--plane", "XY", "--bus", trace, "--out", joined + "2"}).err,
+              HasSubstr("no column t_s"));
+  const std::string other = folder_ / "o";
+  ASSERT_EQ(
+      abbe({"simulate", "ballbar", hidden_, "--test", "plane=XY,radius=50,feed=3000", "--out", other}).exit,
+      0);
+  const ProgramRun refused = abbe({"ballbar", other + "1.csv", "--bus", bus});
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_THAT(refused.err, HasSubstr("E-JOIN"));
 }
 
 TEST_F(Identify, WrongInputIsNamed) {

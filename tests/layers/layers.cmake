@@ -4,7 +4,7 @@ cmake_minimum_required(VERSION 3.25)
 # A stage is a folder of abbe/. Entries are stages, or single headers of a stage.
 
 set(stages core errors machine chain kernel rt symbols volume program compensate verify
-    signal capture ballbar evaluate identify fit simulate cl report pipeline)
+    signal capture ballbar evaluate identify fit simulate cl gear surface part report pipeline)
 set(core_may)
 set(errors_may core)
 set(machine_may core errors)
@@ -13,7 +13,7 @@ set(symbols_may core errors machine chain)
 set(program_may core machine/control_setup.h machine/control_model.h machine/profile.h)
 set(kernel_may core errors machine chain)
 set(rt_may core errors machine chain kernel)
-set(volume_may core errors machine chain)
+set(volume_may core errors machine chain evaluate)
 set(compensate_may core errors machine chain kernel program)
 set(verify_may core errors machine chain kernel)  # neither program nor compensate: it judges them
 set(signal_may core)
@@ -24,8 +24,11 @@ set(identify_may core errors machine chain signal ballbar)
 set(fit_may core errors machine chain signal evaluate)
 set(simulate_may core errors machine chain signal capture ballbar evaluate fit)
 set(cl_may core errors machine chain)
-set(report_may core errors machine chain kernel volume program compensate verify signal ballbar evaluate identify fit cl)
-set(pipeline_may core errors machine chain kernel volume program compensate verify cl report)
+set(gear_may core errors machine chain)
+set(surface_may core machine/toml_values.h machine/machine_sections.h machine/profile.h machine/read_profile.h)
+set(part_may core surface evaluate/monte_carlo.h)
+set(report_may core errors machine chain kernel volume program compensate verify signal ballbar evaluate identify fit cl gear surface part)
+set(pipeline_may core errors machine chain kernel volume program compensate verify cl surface part report)
 
 # Third-party headers outside the standard library and Eigen: only in .cpp files, and only here.
 set(third_party "^(fmt|toml\\+\\+|nlohmann|openssl|CLI|ceres|pcap|pugixml)[/.]")

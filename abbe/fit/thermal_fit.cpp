@@ -1,0 +1,241 @@
+#include "abbe/fit/thermal_fit.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "abbe/fit/ridge.h"
+#include "abbe/fit/sensor_groups.h"
+#include "abbe/fit/thermal_search.h"
+
+namespace abbe {
+namespace {
+
+constexpr double kMisfit = 1.5;        ///< times the noise
+constexpr double kMisfitShare = 0.05;  ///< of the drift
+constexpr double kPenalties[] = {0, 1e-3, 1e-2, 0.1, 1, 10, 100, 1000};
+
+double rms(const Eigen::VectorXd& values) {
+  return std::sqrt(values.squaredNorm() / static_cast<double>(std::max<Eigen::Index>(values.size(), 1)));
+}
+
+ThermalColumns columns_of(const std::vector<DriftCourse>& courses, bool validation) {
+  std::vector<const DriftCourse*> kind;
+  for (const DriftCourse& course : courses)
+    if (course.validation == validation) kind.push_back(&course);
+  return ThermalColumns(std::move(kind));
+}
+
+/// Slopes with their covariance, that of the lags included.
+struct Slopes {
+  Eigen::VectorXd slope;
+  Eigen::MatrixXd covariance;  ///< of slopes, then of the lags above 0
+};
+
+/// d (slope T_lagged) / d lag for every lag above 0, by differences of a hundredth of the lag.
+Eigen::MatrixXd lag_columns(const ThermalColumns& columns, const std::vector<ThermalInput>& inputs,
+                            const Eigen::VectorXd& slope) {
+  constexpr double kStep = 0.01;
+  Eigen::MatrixXd out(columns.rows(), 0);
+  for (std::size_t i = 0; i < inputs.size(); ++i) {
+    const double lag = inputs[i].lag, h = kStep * lag;
+    if (!(lag > 0)) continue;
+    out.conservativeResize(Eigen::NoChange, out.cols() + 1);
+    out.rightCols(1) =
+        slope[static_cast<Eigen::Index>(i)] / (2 * h) *
+        (columns.temperature({inputs[i].sensor, lag + h}) - columns.temperature({inputs[i].sensor, lag - h}));
+  }
+  return out;
+}
+
+Eigen::MatrixXd beside(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  Eigen::MatrixXd out(a.rows(), a.cols() + b.cols());
+  out.leftCols(a.cols()) = a;
+  out.rightCols(b.cols()) = b;
+  return out;
+}
+
+/// One error's model from its logs.
+class Modeller {
+ public:
+  Modeller(const FitThermal& thermal, const ThermalColumns& fitted, const ThermalColumns& judging,
+           const std::vector<std::vector<std::size_t>>& groups, Eigen::Index error)
+      : thermal_(thermal),
+        fitted_(fitted),
+        judging_(judging),
+        groups_(groups),
+        error_(error),
+        search_(fitted, error) {}
+
+  ThermalModel model() {
+    const std::vector<ThermalInput> inputs = choose();
+    const Eigen::MatrixXd A = fitted_.centred(inputs);
+    const Eigen::VectorXd y = fitted_.centred(fitted_.error(error_));
+    ThermalModel out;
+    out.name = thermal_.errors[static_cast<std::size_t>(error_)];
+    out.rotation = read_error_name(out.name)->is_rotation();
+    out.before = rms(y);
+    out.noise = fitted_.noise(error_);
+    const Slopes slopes = solve(inputs, A, y);
+    out.left = rms(y - A * slopes.slope);
+    out.crossed = std::sqrt(search_.crossed(inputs));
+    judge(inputs, slopes, out);
+    add_terms(inputs, slopes, out);
+    out.u = uncertainty(inputs, slopes, out);
+    out.misfit = out.left > kMisfit * out.noise && out.left > kMisfitShare * out.before;
+    return out;
+  }
+
+ private:
+  std::vector<ThermalInput> choose() {
+    if (thermal_.model != FitThermal::Model::automatic)
+      return choose_with(thermal_.model == FitThermal::Model::lag);
+    const std::vector<ThermalInput> linear = choose_with(false), lagged = choose_with(true);
+    return search_.crossed(lagged) < kWorthIt * search_.crossed(linear) ? lagged : linear;
+  }
+
+  std::vector<ThermalInput> choose_with(bool lags) {
+    if (thermal_.selection == FitThermal::Selection::stepwise)
+      return search_.stepwise(search_.best_of(groups_, lags), thermal_.most_sensors, lags);
+    std::vector<ThermalInput> inputs;
+    if (thermal_.selection == FitThermal::Selection::ridge) {
+      for (const std::size_t sensor : search_.best_of(groups_, lags)) inputs.push_back({sensor, 0});
+    } else {
+      for (const auto& group : groups_)
+        for (const std::size_t sensor : group) inputs.push_back({sensor, 0});
+    }
+    return lags ? search_.with_lags(std::move(inputs)) : inputs;
+  }
+
+  /// C = s^2 (J^T J)^-1 with J = [temperatures, derivatives by the lags], or that of ridge.
+  Slopes solve(const std::vector<ThermalInput>& inputs, const Eigen::MatrixXd& A, const Eigen::VectorXd& y) {
+    Slopes out;
+    const Ridge fit = fit_ridge(A, y, penalty(A, y));
+    out.slope = fit.slope;
+    Eigen::MatrixXd lags = lag_columns(fitted_, inputs, out.slope);
+    for (Eigen::Index i = 0; i < lags.cols(); ++i) lags.col(i) = fitted_.centred(lags.col(i));
+    const Eigen::Index unknowns = A.cols() + lags.cols();
+    const auto freedom =
+        std::max<Eigen::Index>(1, A.rows() - unknowns - static_cast<Eigen::Index>(fitted_.logs()));
+    const double variance = (y - A * out.slope).squaredNorm() / static_cast<double>(freedom);
+    if (lags.cols() == 0) {
+      out.covariance = variance * fit.covariance;
+      return out;
+    }
+    const Eigen::MatrixXd J = beside(A, lags);
+    out.covariance =
+        variance * (J.transpose() * J).ldlt().solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
+    return out;
+  }
+
+  /// The penalty that predicts blocks left out best; 0 unless ridge is asked for.
+  double penalty(const Eigen::MatrixXd& A, const Eigen::VectorXd& y) {
+    if (thermal_.selection != FitThermal::Selection::ridge) return 0;
+    double best = 0, least = std::numeric_limits<double>::infinity();
+    for (const double lambda : kPenalties) {
+      double sum = 0;
+      for (const auto& [begin, end] : fitted_.blocks()) {
+        const Eigen::Index head = begin, tail = A.rows() - end;
+        Eigen::MatrixXd rest(head + tail, A.cols());
+        Eigen::VectorXd values(head + tail);
+        rest << A.topRows(head), A.bottomRows(tail);
+        values << y.head(head), y.tail(tail);
+        const Ridge fit = fit_ridge(rest, values, lambda);
+        sum += ((y - A * fit.slope).segment(begin, end - begin).array() - fit.intercept).square().sum();
+      }
+      if (!(sum < least)) continue;
+      least = sum;
+      best = lambda;
+    }
+    return best;
+  }
+
+  void judge(const std::vector<ThermalInput>& inputs, const Slopes& slopes, ThermalModel& out) const {
+    if (judging_.rows() == 0) return;
+    const Eigen::VectorXd y = judging_.centred(judging_.error(error_));
+    out.validated_before = rms(y);
+    out.validated = rms(y - judging_.centred(inputs) * slopes.slope);
+  }
+
+  void add_terms(const std::vector<ThermalInput>& inputs, const Slopes& slopes, ThermalModel& out) const {
+    for (std::size_t i = 0; i < inputs.size(); ++i) {
+      const auto k = static_cast<Eigen::Index>(i);
+      const Eigen::VectorXd T = fitted_.temperature(inputs[i]);
+      out.terms.push_back({thermal_.sensors[inputs[i].sensor], inputs[i].lag, slopes.slope[k],
+                           std::sqrt(std::max(0.0, slopes.covariance(k, k))), T.minCoeff(), T.maxCoeff()});
+    }
+  }
+
+  /// u^2 = max over the logs of j C j^T, j = [T - reference, d / d lag], + what unseen logs show beyond the
+  /// noise
+  double uncertainty(const std::vector<ThermalInput>& inputs, const Slopes& slopes,
+                     const ThermalModel& out) const {
+    Eigen::MatrixXd J(fitted_.rows(), static_cast<Eigen::Index>(inputs.size()));
+    for (std::size_t i = 0; i < inputs.size(); ++i)
+      J.col(static_cast<Eigen::Index>(i)) = fitted_.temperature(inputs[i]).array() - thermal_.reference;
+    J = beside(J, lag_columns(fitted_, inputs, slopes.slope));
+    const double model =
+        inputs.empty() ? 0 : (J * slopes.covariance).cwiseProduct(J).rowwise().sum().maxCoeff();
+    const double unseen = out.validated.value_or(out.crossed);
+    return std::sqrt(std::max(0.0, model) + std::max(0.0, unseen * unseen - out.noise * out.noise));
+  }
+
+  const FitThermal& thermal_;
+  const ThermalColumns &fitted_, &judging_;
+  const std::vector<std::vector<std::size_t>>& groups_;
+  Eigen::Index error_;
+  ThermalSearch search_;
+};
+
+bool is_finite(const ThermalModel& model) {
+  return std::isfinite(model.u + model.left + model.before) &&
+         std::all_of(model.terms.begin(), model.terms.end(),
+                     [](const ThermalTerm& term) { return std::isfinite(term.slope + term.u); });
+}
+
+/// Sensors whose temperatures in the judging logs leave those of the logs fitted.
+std::vector<std::string> outside(const FitThermal& thermal, const ThermalColumns& fitted,
+                                 const ThermalColumns& judging) {
+  std::vector<std::string> names;
+  if (judging.rows() == 0) return names;
+  for (std::size_t s = 0; s < thermal.sensors.size(); ++s) {
+    const Eigen::VectorXd known = fitted.temperature({s, 0}), asked = judging.temperature({s, 0});
+    if (asked.minCoeff() < known.minCoeff() || asked.maxCoeff() > known.maxCoeff())
+      names.push_back(thermal.sensors[s]);
+  }
+  return names;
+}
+
+}  // namespace
+
+ThermalFit fit_thermal(const FitThermal& thermal, const std::vector<DriftCourse>& courses) {
+  ThermalFit out;
+  const ThermalColumns fitted = columns_of(courses, false), judging = columns_of(courses, true);
+  if (fitted.rows() == 0) return out;
+  std::vector<ThermalInput> all;
+  for (std::size_t s = 0; s < thermal.sensors.size(); ++s) all.push_back({s, 0});
+  const Eigen::MatrixXd temperatures = fitted.centred(all);
+  const auto groups = sensor_groups(temperatures, thermal.correlated);
+  for (const auto& group : groups) {
+    out.groups.emplace_back();
+    for (const std::size_t sensor : group) out.groups.back().push_back(thermal.sensors[sensor]);
+  }
+  for (std::size_t s = 0; s < thermal.sensors.size(); ++s)
+    if (!(temperatures.col(static_cast<Eigen::Index>(s)).norm() > 0)) out.still.push_back(thermal.sensors[s]);
+  out.outside = outside(thermal, fitted, judging);
+  for (std::size_t k = 0; k < thermal.errors.size(); ++k) {
+    out.models.push_back(Modeller(thermal, fitted, judging, groups, static_cast<Eigen::Index>(k)).model());
+    out.finite = out.finite && is_finite(out.models.back());
+  }
+  if (!out.finite) out.models.clear();
+  return out;
+}
+
+std::string variable_of(const ThermalTerm& term) {
+  return term.lag > 0 ? fmt::format("{}_lag{:.0f}", term.sensor, term.lag) : term.sensor;
+}
+
+}  // namespace abbe

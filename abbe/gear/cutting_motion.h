@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "abbe/chain/inverse.h"
+#include "abbe/gear/gear_file.h"
+
+namespace abbe {
+
+/// The axes of a gap at a height of the wheel, as columns in workpiece axes: turned about z by the gap and
+/// the helix.
+///     angle = first_gap + 2 pi gap / z + kappa t
+[[nodiscard]] Mat3 gap_axes(const GearJob& job, std::size_t gap, double height);
+
+/// Centre and axis of the wheel in workpiece axes, crowning infeed included.
+/// height      above the middle of the face, mm
+/// axis_sign   -1 or +1: which end of the wheel axis the spindle is at
+[[nodiscard]] TipAndAxis wheel_pose(const GearJob& job, const WheelInGap& wheel, std::size_t gap,
+                                    double height, double axis_sign);
+
+/// The wheel's stroke: what the face and the reach of the contacts need, and the overrun.
+struct Stroke {
+  double low = 0, high = 0;
+};
+[[nodiscard]] Stroke stroke_of(const GearJob& job, const WheelInGap& wheel);
+
+using AxisCommands = std::array<double, kMaxAxes>;
+
+/// Axis commands for every gap, as the machine without errors needs them.
+struct CuttingMotion {
+  Stroke stroke;
+  std::size_t nodes = 0;
+  double axis_sign = 1;
+  std::vector<AxisCommands> commands;  ///< gap by gap, `nodes` of each from the lower end upwards
+
+  [[nodiscard]] std::size_t gaps() const { return nodes > 0 ? commands.size() / nodes : 0; }
+  [[nodiscard]] double height(std::size_t node) const {
+    return stroke.low +
+           (stroke.high - stroke.low) * static_cast<double>(node) / static_cast<double>(nodes - 1);
+  }
+  /// When the wheel is there, s: strokes with the feed, between them the time of indexing.
+  [[nodiscard]] double time(const CuttingSpec& cutting, std::size_t gap, std::size_t node) const;
+};
+
+/// Changes a pose of the wheel: gap, height above the middle of the face, the nominal pose.
+using PoseChange = std::function<TipAndAxis(std::size_t gap, double height, const TipAndAxis& nominal)>;
+
+/// Why a machine cannot cut a gear.
+struct CuttingProblem {
+  enum class Trouble {
+    axes,    ///< it has no axes that hold the wheel like that
+    travel,  ///< it has, but not within its travels
+  } trouble = Trouble::axes;
+  std::string message;
+};
+
+/// Follows the wheel through all gaps with the ideal inverse of the chain: all moving axes help (also those
+/// that are not correctable); of two ends of the wheel axis the one that needs less turning is taken.
+///
+/// start    where the machine stands: decides the branch
+/// change   null: nominal poses
+/// errors   CuttingProblem
+/// laws     CommandsBringTheWheelToItsPose
+/// cost     one inverse per gap and node
+[[nodiscard]] std::variant<CuttingMotion, CuttingProblem> plan_cutting(
+    const Machine& machine, const GearJob& job, const WheelInGap& wheel, std::size_t nodes,
+    const AxisCommands& start, const PoseChange& change = {});
+
+}  // namespace abbe

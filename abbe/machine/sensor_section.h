@@ -1,0 +1,15 @@
+#pragma once
+
+#include <vector>
+
+#include "abbe/machine/findings.h"
+#include "abbe/machine/machine.h"
+#include "abbe/machine/toml_document.h"
+
+namespace abbe {
+
+/// Reads [sensors]: spindle_slow = { of = "spindle", lag = 1830 } (lag in s). `of` is a sensor that is read,
+/// not a lagged one. errors   E-SENSOR-LAG, besides those of every table
+[[nodiscard]] std::vector<LaggedSensor> read_lagged_sensors(const TomlNode& root, Findings& findings);
+
+}  // namespace abbe

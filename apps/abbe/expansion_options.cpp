@@ -1,0 +1,54 @@
+#include "expansion_options.h"
+
+#include <fmt/core.h>
+
+#include <CLI/CLI.hpp>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "abbe/machine/expansion.h"
+#include "common.h"
+
+namespace abbe::app {
+
+void add_expansion_options(CLI::App& verb, ExpansionArguments& arguments) {
+  verb.add_option("--workpiece-temperature", arguments.temperature,
+                  "of the part while it is machined, degC; its lengths are stated at 20 degC")
+      ->check(finite_number())
+      ->type_name("DEGC");
+  verb.add_option("--workpiece-ppm", arguments.ppm,
+                  "expansion of its material, 1e-6 per K (steel 11.5, aluminium 23)")
+      ->check(finite_number())
+      ->type_name("PPM");
+}
+
+std::optional<Machine> expanded_or_report(const ExpansionArguments& arguments, Machine machine,
+                                          Session& session) {
+  constexpr double kMostAway = 50, kMostPpm = 100;
+  if (!arguments.temperature && !arguments.ppm) return machine;
+  const auto fail = [&](const char* option, std::string message, std::string fix) {
+    Diagnostic error = option_error(option, std::move(message), std::move(fix));
+    error.code = "E-EXPANSION";
+    session.report(error);
+    return std::nullopt;
+  };
+  if (!arguments.temperature || !arguments.ppm)
+    return fail(arguments.ppm ? "--workpiece-ppm" : "--workpiece-temperature",
+                "temperature and expansion of the workpiece go together", "give both, or neither");
+  if (std::abs(*arguments.temperature - kStandardTemperature) > kMostAway)
+    return fail("--workpiece-temperature",
+                fmt::format("{:g} degC is far from 20 degC", *arguments.temperature),
+                "expansion is linear near 20 degC only: check the number and its unit");
+  if (*arguments.ppm < 0 || *arguments.ppm > kMostPpm)
+    return fail("--workpiece-ppm", fmt::format("{:g} ppm per K is no metal", *arguments.ppm),
+                "state it in 1e-6 per K");
+  auto expanded = with_expansion(machine, {*arguments.temperature, *arguments.ppm * 1e-6});
+  if (auto* why = std::get_if<std::string>(&expanded))
+    return fail("--workpiece-temperature", "this machine cannot follow the workpiece's expansion: " + *why,
+                "machine at 20 degC, or scale the program");
+  return std::move(std::get<Machine>(expanded));
+}
+
+}  // namespace abbe::app

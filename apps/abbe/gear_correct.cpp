@@ -1,0 +1,296 @@
+#include <fmt/core.h>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "abbe/core/number.h"
+#include "abbe/core/units.h"
+#include "abbe/gear/gear_cl.h"
+#include "abbe/gear/pose_estimate.h"
+#include "csv.h"
+#include "gear_machine.h"
+#include "gear_report.h"
+#include "output_file.h"
+#include "text.h"
+
+namespace abbe::app {
+namespace {
+
+constexpr double kClTolerance = 0.5 * um;
+constexpr double kTold = 0.999;  // determined beyond this: the flanks tell this one by itself
+
+struct GearCorrectArguments {
+  GearMachineArguments machine;
+  std::string measured, output, motions;
+  double sigma_um = 0;
+  std::string cut_with = "none";
+};
+
+struct CorrectAnswer {
+  const GearOnMachine& loaded;
+  const GearCorrectArguments& arguments;
+  PoseEstimate estimate;
+  bool by_poses = true;       ///< false: an axis is missing, so the axes do what they can for the flanks
+  GearFigures before, after;  ///< of the machine file: nominal poses, corrected poses
+};
+
+/// Columns of the file of measured flanks.
+struct MeasuredColumns {
+  std::size_t tooth = 0, flank = 0, roll = 0, z = 0, deviation = 0;
+  std::optional<std::size_t> trace;
+};
+
+std::optional<MeasuredColumns> find_columns(const CsvReader& csv, const std::string& file, Session& session) {
+  std::map<std::string, std::size_t> at;
+  for (std::size_t i = 0; i < csv.header().size(); ++i) at[csv.header()[i]] = i;
+  for (const char* name : {"tooth", "flank", "roll_mm", "z_mm", "deviation_um"}) {
+    if (at.contains(name)) continue;
+    Diagnostic error;
+    error.code = "E-COLUMN";
+    error.place.file = file;
+    error.message = fmt::format("the column {} is missing", name);
+    error.fix = "tooth,flank,roll_mm,z_mm,deviation_um, as `abbe gear cut --points` writes it";
+    session.report(error);
+    return std::nullopt;
+  }
+  MeasuredColumns columns{at["tooth"], at["flank"], at["roll_mm"], at["z_mm"], at["deviation_um"], {}};
+  if (at.contains("trace")) columns.trace = at["trace"];
+  return columns;
+}
+
+/// The point of this row; nullopt after telling the reader why not.
+std::optional<MeasuredFlankPoint> point_of(CsvReader& csv, const MeasuredColumns& columns, const Gear& gear) {
+  const auto tooth = csv.number(columns.tooth), roll = csv.number(columns.roll), z = csv.number(columns.z),
+             deviation = csv.number(columns.deviation);
+  const auto trace = columns.trace ? csv.number(*columns.trace) : std::optional<double>(-1);
+  if (!tooth || !roll || !z || !deviation || !trace) return std::nullopt;
+  const auto whole = [](double value, double low, double high) {
+    return value >= low && value <= high && value == static_cast<double>(static_cast<int>(value));
+  };
+  const std::string_view flank = csv.text(columns.flank);
+  if (!whole(*tooth, 1, gear.spec.teeth)) {
+    csv.fail_at(columns.tooth, "E-CELL", fmt::format("the gear has teeth 1 to {}", gear.spec.teeth));
+  } else if (flank != "right" && flank != "left") {
+    csv.fail_at(columns.flank, "E-CELL", "a flank is right or left");
+  } else if (!whole(*trace, -1, 1e6)) {
+    csv.fail_at(*columns.trace, "E-CELL", "a trace is a whole number; -1: no offset");
+  } else {
+    return MeasuredFlankPoint{static_cast<int>(*tooth), flank == "right" ? Flank::right : Flank::left,
+                              *roll / gear.base_radius, *z,
+                              *deviation * um,          static_cast<int>(*trace)};
+  }
+  return std::nullopt;
+}
+
+std::optional<std::vector<MeasuredFlankPoint>> read_measured(const std::string& path, const Gear& gear,
+                                                             Session& session) {
+  FileResult<CsvReader> opened = CsvReader::open(path);
+  if (const auto* error = std::get_if<FileError>(&opened)) {
+    session.report(*error, path);
+    return std::nullopt;
+  }
+  CsvReader& csv = std::get<CsvReader>(opened);
+  std::vector<MeasuredFlankPoint> points;
+  if (!csv.failed()) {
+    const std::optional<MeasuredColumns> columns = find_columns(csv, path, session);
+    if (!columns) return std::nullopt;
+    while (csv.next()) {
+      const std::optional<MeasuredFlankPoint> point = point_of(csv, *columns, gear);
+      if (!point) break;
+      points.push_back(*point);
+    }
+  }
+  if (csv.failed()) {
+    session.report(*csv.failure(), csv.broken() ? Exit::internal : Exit::invalid);
+    return std::nullopt;
+  }
+  return points;
+}
+
+std::string text_of(const CorrectAnswer& answer) {
+  const PoseEstimate& estimate = answer.estimate;
+  std::string text =
+      fmt::format("{} points; rank {} of {}; rms {} um measured, {} um not explained, {} um at most\n",
+                  estimate.points, estimate.rank, kPoseUnknowns, um_text(estimate.rms_before),
+                  um_text(estimate.rms_after, 3), um_text(estimate.largest_after, 3));
+  text += "deviations told by the flanks one by one:\n";
+  std::string others;
+  for (std::size_t i = 0; i < kPoseUnknowns; ++i) {
+    const PoseUnknown unknown = pose_unknown(i);
+    if (estimate.determined[i] < kTold) {
+      others += (others.empty() ? "" : " ") + name_of(unknown);
+      continue;
+    }
+    const bool rotation = unknown.direction >= 3;
+    std::string value, u;
+    append_fixed(value, estimate.value[i] / (rotation ? urad : um), 2);
+    append_fixed(u, estimate.uncertainty[i] / (rotation ? urad : um), 2);
+    text += fmt::format("  {:<16}{:>9} +- {:>5} {}\n", name_of(unknown), value, u, rotation ? "urad" : "um");
+  }
+  if (!others.empty()) text += "told only together, or not at all: " + others + "\n";
+  text += "\nthe gear by the machine file, um";
+  text += fmt::format("\n{:<13}{:>10}{:>12}\n", "", "nominal", "corrected");
+  const auto before = worst_of(answer.before), after = worst_of(answer.after);
+  for (std::size_t i = 0; i < before.size(); ++i)
+    text += fmt::format("{:<13}{:>10}{:>12}\n", before[i].name, um_text(before[i].value),
+                        um_text(after[i].value));
+  if (!answer.by_poses)
+    text += "an axis is missing for the corrected poses: the others leave the least they can on the flanks\n";
+  text += answer.arguments.cut_with == "none"
+              ? "send what is corrected without compensation: machine errors are in what was measured\n"
+              : "send what is corrected with the compensation that the measured gear was cut with\n";
+  return text;
+}
+
+std::string json_of(const CorrectAnswer& answer) {
+  JsonWriter json;
+  json.begin_object();
+  write_preamble(json, "gear correct", answer.loaded.setting.machine);
+  const PoseEstimate& estimate = answer.estimate;
+  json.member("points", static_cast<std::uint64_t>(estimate.points)).member("rank", estimate.rank);
+  json.member("rms_measured_um", estimate.rms_before / um).member("rms_left_um", estimate.rms_after / um);
+  json.member("largest_left_um", estimate.largest_after / um)
+      .member("cut_with", answer.arguments.cut_with)
+      .member("by_poses", answer.by_poses);
+  json.key("deviations").begin_array();
+  for (std::size_t i = 0; i < kPoseUnknowns; ++i) {
+    const PoseUnknown unknown = pose_unknown(i);
+    json.begin_object(JsonWriter::Layout::one_line).member("name", name_of(unknown));
+    json.member(unknown.direction >= 3 ? "value_rad" : "value_mm", estimate.value[i]);
+    json.member("u", estimate.uncertainty[i]).member("determined", estimate.determined[i]).end();
+  }
+  json.end();
+  const auto write_worst = [&](const char* name, const GearFigures& figures) {
+    json.key(name).begin_object(JsonWriter::Layout::one_line);
+    for (const WorstFigure& worst : worst_of(figures))
+      json.member(fmt::format("{}_um", worst.name), worst.value / um);
+    json.end();
+  };
+  write_worst("before", answer.before);
+  write_worst("after", answer.after);
+  json.end();
+  return json.take() + "\n";
+}
+
+bool is_usable(const PoseEstimate& estimate, const std::string& file, Session& session) {
+  if (estimate.status == PoseEstimate::Status::ok && estimate.rank > 0) return true;
+  Diagnostic error;
+  error.code = "E-GEAR-POINTS";
+  error.place.file = file;
+  error.message = "no point of this file is on a flank of the gear, or they say nothing";
+  error.why = "poses are found from deviations along profiles and helices";
+  error.fix = "roll_mm is the roll length, z_mm the height above the middle of the face";
+  session.report(error);
+  return false;
+}
+
+/// The gear of the machine file with these commands; nullopt: not computed.
+std::optional<GearFigures> figures_with(const GearOnMachine& loaded, const GearInspection& inspection,
+                                        const CutOptions& options) {
+  const auto cut =
+      cut_on_machine(loaded.setting.machine, loaded.gear.job, loaded.gear.wheel, loaded.motion, options);
+  if (!std::holds_alternative<MachineCut>(cut)) return std::nullopt;
+  return inspection.figures(std::get<MachineCut>(cut).deviations);
+}
+
+/// Axis commands for the corrected poses; nullopt: an axis is missing, or travels end.
+std::optional<std::vector<AxisCommands>> commands_by_poses(const GearOnMachine& loaded,
+                                                           const PoseChange& change) {
+  auto corrected = plan_cutting(loaded.setting.machine, loaded.gear.job, loaded.gear.wheel,
+                                loaded.motion.nodes, loaded.motion.commands.front(), change);
+  if (auto* motion = std::get_if<CuttingMotion>(&corrected)) return std::move(motion->commands);
+  return std::nullopt;
+}
+
+/// Axis commands that leave the least of these deviations on the flanks.
+std::vector<AxisCommands> commands_by_axes(const GearOnMachine& loaded, const PoseValues& values,
+                                           AxisSet free) {
+  Machine ideal = loaded.setting.machine;
+  ideal.errors.clear();
+  const WheelDeviations known =
+      deviations_of(loaded.gear.job, loaded.gear.wheel, values, loaded.motion.stroke, loaded.motion.nodes);
+  CutOptions options;
+  options.correction = CutCorrection::flank;
+  options.free = free;
+  options.known = &known;
+  auto cut = cut_on_machine(ideal, loaded.gear.job, loaded.gear.wheel, loaded.motion, options);
+  return std::move(std::get<MachineCut>(cut).commands);  // without errors no sensor is missing
+}
+
+void run_gear_correct(const GearCorrectArguments& arguments, Session& session) {
+  const std::optional<GearOnMachine> loaded = load_gear_on_machine(arguments.machine, session);
+  if (!loaded) return;
+  const GearJob& job = loaded->gear.job;
+  const WheelInGap& wheel = loaded->gear.wheel;
+  const auto points = read_measured(arguments.measured, job.gear, session);
+  if (!points) return;
+  const auto inspection = GearInspection::make(job.gear, wheel, job.evaluation);
+  if (!inspection) return;
+  CorrectAnswer answer{*loaded, arguments, estimate_pose(job, wheel, *points, arguments.sigma_um * um),
+                       true,    {},        {}};
+  if (!is_usable(answer.estimate, arguments.measured, session)) return;
+  const PoseChange change = [&](std::size_t gap, double height, const TipAndAxis& nominal) {
+    return pose_corrected_for(job, wheel, answer.estimate.value, gap, height, nominal);
+  };
+
+  CutOptions options = cut_options(*loaded);
+  const auto free = free_axes_or_report(loaded->setting.machine, 0, session);
+  if (!free) return;
+  options.free = *free;
+  if (arguments.cut_with == "pose") options.correction = CutCorrection::pose;
+  const std::optional<std::vector<AxisCommands>> by_poses = commands_by_poses(*loaded, change);
+  if (!by_poses && !arguments.output.empty()) {
+    session.report(option_error("--output", "this machine lacks an axis that the corrected poses need",
+                                "--motions: the axis commands that leave the least on the flanks"));
+    return;
+  }
+  answer.by_poses = by_poses.has_value();
+  const std::vector<AxisCommands> sent =
+      by_poses ? *by_poses : commands_by_axes(*loaded, answer.estimate.value, options.free);
+  const std::optional<GearFigures> before = figures_with(*loaded, *inspection, options);
+  options.sent = &sent;
+  const std::optional<GearFigures> after = figures_with(*loaded, *inspection, options);
+  if (!before || !after) return;
+  answer.before = *before;
+  answer.after = *after;
+  std::vector<std::string> inputs = loaded->inputs;
+  inputs.push_back(arguments.measured);
+  if (!write_outputs({{"--output", arguments.output,
+                       arguments.output.empty()
+                           ? ""
+                           : write_gear_cl(job, wheel, loaded->motion.axis_sign, kClTolerance, change)},
+                      {"--motions", arguments.motions, motions_csv(*loaded, sent)}},
+                     inputs, session))
+    return;
+  session.out.write(arguments.machine.common.json ? json_of(answer) : text_of(answer));
+}
+
+}  // namespace
+
+Verb gear_correct_verb(CLI::App& gear, Session& session) {
+  CLI::App* command = gear.add_subcommand("correct", "from measured flanks to poses that make them right");
+  auto arguments = std::make_shared<GearCorrectArguments>();
+  add_gear_machine_options(*command, arguments->machine, session);
+  command->add_option("--measured", arguments->measured, "CSV: tooth,flank,roll_mm,z_mm,deviation_um[,trace]")
+      ->required()
+      ->type_name("FILE");
+  command->add_option("-o,--output", arguments->output, "the cut with corrected poses, as CL data")
+      ->type_name("FILE");
+  command->add_option("--motions", arguments->motions, "corrected axis commands of every gap: CSV")
+      ->type_name("FILE");
+  command
+      ->add_option("--sigma-um", arguments->sigma_um,
+                   "standard uncertainty of a point, 0: from the residuals (0)")
+      ->check(CLI::NonNegativeNumber & finite_number())
+      ->type_name("UM");
+  command
+      ->add_option("--cut-with", arguments->cut_with,
+                   "how the measured gear was cut, and the corrected one will be: none, pose (none)")
+      ->check(CLI::IsMember({"none", "pose"}))
+      ->type_name("WHAT");
+  return {command, [arguments, &session] { run_gear_correct(*arguments, session); }};
+}
+
+}  // namespace abbe::app
