@@ -403,5 +403,26 @@ TEST(Rewrite, AnAxisThatMayNotBeCorrectedIsNotMoved) {
   EXPECT_FALSE(result.report.complete);
 }
 
+TEST(Sensitivity, ToAnOffsetIsTheSlopeOfTheError) {
+  const Machine machine = three_axes({{"EXX", poly(0, {0, 1e-4})}});
+  const std::string program = "G0 X0 Y0 Z0\nG0 X100\nM2\n";
+  RewriteJob job = plain_job();
+  const auto ideal = rewrite(machine, program, job);
+  ASSERT_TRUE(ideal.report.sensitivity) << ideal.findings();
+  EXPECT_NEAR(ideal.report.sensitivity->offset, 1e-4, 1e-7);
+  EXPECT_NEAR(ideal.report.sensitivity->length, 0, 1e-12);
+  job.probed_datum = true;
+  const auto probed = rewrite(machine, program, job);
+  ASSERT_TRUE(probed.report.sensitivity);
+  EXPECT_NEAR(probed.report.sensitivity->offset, 0, 1e-7) << "the datum moves along";
+}
+
+// The carriage turns about Y by 1 urad per mm of X: 100 urad where the correction is largest.
+TEST(Sensitivity, ToALengthIsTheAngleOfTheTool) {
+  const auto result = rewrite(three_axes({{"EBX", poly(0, {0, 1e-6})}}), "G0 X0 Y0 Z0\nG0 X100\nM2\n", plain_job());
+  ASSERT_TRUE(result.report.sensitivity) << result.findings();
+  EXPECT_NEAR(result.report.sensitivity->length, 1e-4, 1e-6);
+}
+
 }  // namespace
 }  // namespace abbe

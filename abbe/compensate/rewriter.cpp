@@ -286,6 +286,7 @@ void Rewriter::finish(std::string& out) {
     findings_.add(Severity::warning, "W-END", 0, "", 0, 1, "the program ends without M2, M30 or a closing '%'",
                   profile_.title + " runs it to here and then reports an error", "end it with M2");
   }
+  if (!findings_.refused()) report_.sensitivity = sensitivity();
 }
 
 }  // namespace abbe

@@ -86,6 +86,9 @@ class Rewriter {
   /// A block of its own behind the one that is split: " X1.5 Y2.", with the block delete of the original.
   void add_block(std::string_view words, std::string_view eol, std::string& tail);
 
+  // rewriter_sensitivity.cpp
+  [[nodiscard]] std::optional<RewriteReport::Sensitivity> sensitivity();
+
   // rewriter_subprogram.cpp
   void follow_flow();
   bool only_changes_flow(std::string_view words);
@@ -261,6 +264,14 @@ class Rewriter {
     double r_out = 0, z_out = 0;  ///< of the output
     bool incremental = false;     ///< in which mode they were written
   } cycle_;
+
+  /// Where a correction was larger than before, and what it was reckoned with.
+  struct Extreme {
+    Vec3 m = Vec3::Zero(), datum = Vec3::Zero();
+    double gauge = 0;
+    bool set = false;
+  };
+  std::array<Extreme, 4> extremes_;  ///< of X, Y, Z, and of the gradient
 
   /// A subprogram that was run: its lines first .. end - 1, rewritten.
   struct Called {

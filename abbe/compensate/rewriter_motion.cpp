@@ -179,6 +179,7 @@ void Rewriter::note_correction(const Vec3& m, const Vec3& c) {
     if (std::abs(c[k]) <= report_.max_correction[i]) continue;
     report_.max_correction[i] = std::abs(c[k]);
     report_.max_line[i] = number_;
+    extremes_[i] = {m, in_.frames.datum_point(), gauge_, true};
   }
   if (!(c.squaredNorm() <= job_.max_correction * job_.max_correction)) {
     refuse_block("E-CORRECTION", fmt::format("the correction is {:.1f} um, {:.0f} um is the limit", c.norm() / um, job_.max_correction / um),
@@ -190,6 +191,7 @@ void Rewriter::note_correction(const Vec3& m, const Vec3& c) {
     if (way > kGradientBase * kGradientBase && change > known * known * way) {
       const double gradient = std::sqrt(change / way);
       report_.max_gradient = std::max(report_.max_gradient, gradient);
+      extremes_[3] = {m, in_.frames.datum_point(), gauge_, true};
       if (gradient > job_.max_gradient) {
         refuse_block("E-GRADIENT", fmt::format("the correction changes by {:.2f} mm per m, {:.2f} is the limit", gradient * 1e3, job_.max_gradient * 1e3),
                      "no machine is that crooked: a table has a step, or a unit is wrong", "check the error tables of the machine file");

@@ -138,8 +138,8 @@ std::string control_of(Random& random) {
 
 TEST(FiveAxisPrograms, AreVerifiedOnMachinesOfEveryStructure) {
   std::uint64_t done = 0;
-  const std::uint64_t programs = testing::random_programs(210);
-  for (std::uint64_t seed = 1; seed <= programs; ++seed) {
+  const testing::Seeds seeds = testing::random_seeds(210);
+  for (std::uint64_t seed = seeds.first; seed != seeds.end(); ++seed) {
     Random random(seed);
     const Structure& structure = kStructures[seed % std::size(kStructures)];
     const std::string machine = machine_text(random, structure, control_of(random));
@@ -151,7 +151,7 @@ TEST(FiveAxisPrograms, AreVerifiedOnMachinesOfEveryStructure) {
     EXPECT_GT(result.outcome.verify.before.max, result.outcome.verify.after.max) << "seed " << seed;
     ++done;
   }
-  EXPECT_EQ(done, programs);
+  EXPECT_EQ(done, seeds.count);
 }
 
 TEST(FiveAxisPrograms, AMachineWithoutErrorsChangesNoByte) {

@@ -185,8 +185,8 @@ class RandomDialects : public ::testing::TestWithParam<Style> {};
 TEST_P(RandomDialects, AreVerifiedOnRandomMachines) {
   const Style& style = GetParam();
   std::uint64_t done = 0;
-  const std::uint64_t programs = testing::random_programs(60);
-  for (std::uint64_t seed = 1; seed <= programs; ++seed) {
+  const testing::Seeds seeds = testing::random_seeds(60);
+  for (std::uint64_t seed = seeds.first; seed != seeds.end(); ++seed) {
     Random random(seed);
     const std::string machine = random_machine(random, 0.7);
     const std::string program = DialectWriter(random, style).write(25);
@@ -201,7 +201,7 @@ TEST_P(RandomDialects, AreVerifiedOnRandomMachines) {
     EXPECT_LE(result.outcome.verify.after.max, result.outcome.verify.allowed) << "seed " << seed;
     ++done;
   }
-  EXPECT_GT(done, programs / 3);
+  EXPECT_GT(done, seeds.count / 3);
 }
 
 TEST_P(RandomDialects, ZeroErrorsChangeNoByte) {

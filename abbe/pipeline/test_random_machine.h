@@ -21,11 +21,19 @@ class Random {
   std::mt19937_64 rng_;
 };
 
-/// How many random programs a test runs: `usual`, or what ABBE_RANDOM_PROGRAMS says (CONTRIBUTING.md).
-inline std::uint64_t random_programs(std::uint64_t usual) {
-  const char* const said = std::getenv("ABBE_RANDOM_PROGRAMS");
-  const std::uint64_t number = said == nullptr ? 0 : std::strtoull(said, nullptr, 10);
-  return number > 0 ? number : usual;
+/// Seeds of the random programs of a test: the first, and how many. Usually 1 and `usual`; ABBE_RANDOM_FIRST and
+/// ABBE_RANDOM_PROGRAMS say otherwise (CONTRIBUTING.md).
+struct Seeds {
+  std::uint64_t first = 1, count = 0;
+  [[nodiscard]] std::uint64_t end() const { return first + count; }
+};
+inline Seeds random_seeds(std::uint64_t usual) {
+  const auto said = [](const char* name, std::uint64_t otherwise) {
+    const char* const text = std::getenv(name);
+    const std::uint64_t number = text == nullptr ? 0 : std::strtoull(text, nullptr, 10);
+    return number > 0 ? number : otherwise;
+  };
+  return {said("ABBE_RANDOM_FIRST", 1), said("ABBE_RANDOM_PROGRAMS", usual)};
 }
 
 /// All 21 errors of a three-axis machine in every form, as a machine file.

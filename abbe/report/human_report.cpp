@@ -70,6 +70,10 @@ std::string rewrite_text(const RewriteReport& rewrite) {
   }
   text +=
       line("corrections", fmt::format("{}; steepest {:.0f} um/m", most, rewrite.max_gradient / um * metre));
+  if (rewrite.sensitivity) {
+    text += line("sensitivity", fmt::format("per mm that a work offset is wrong {:.2g} um, per mm of gauge length {:.2g} um",
+                                            rewrite.sensitivity->offset / um, rewrite.sensitivity->length / um));
+  }
   if (rewrite.held_blocks > 0) {
     text += line("held", fmt::format("in {} blocks a rotary axis stays near a singularity, where it would turn too far for a correction",
                                      rewrite.held_blocks));

@@ -254,6 +254,11 @@ std::string json_report(const ProgramReport& report) {
     json.member("max_gradient_um_per_m", rewrite.max_gradient / um * metre).end();
     json.member("cycle_residual_um", rewrite.cycle_residual / um);
     json.member("shortest_split_mm", rewrite.shortest_split);
+    if (rewrite.sensitivity) {
+      json.key("sensitivity").begin_object(Layout::one_line);
+      json.member("offset_um_per_mm", rewrite.sensitivity->offset / um);
+      json.member("length_um_per_mm", rewrite.sensitivity->length / um).end();
+    }
   }
   const Diagnostics findings = findings_of(report);
   write_findings(json, "warnings", findings, Severity::warning);

@@ -44,6 +44,7 @@ class Report : public ::testing::Test {
     rewrite_.max_line = {88, 99, 111};
     rewrite_.max_gradient = 41e-6;
     rewrite_.cycle_residual = 0.75 * um;
+    rewrite_.sensitivity = {0.12 * um, 0.03 * um};
     Diagnostic warning;
     warning.severity = Severity::warning;
     warning.code = "W-SMOOTH";
@@ -123,6 +124,8 @@ TEST_F(Report, JsonHasTheMembersThatScriptsRelyOn) {
   EXPECT_EQ(read["corrections"]["lines"], json::array({88, 99, 111}));
   EXPECT_DOUBLE_EQ(read["corrections"]["max_gradient_um_per_m"], 41);
   EXPECT_DOUBLE_EQ(read["cycle_residual_um"], 0.75);
+  EXPECT_DOUBLE_EQ(read["sensitivity"]["offset_um_per_mm"], 0.12);
+  EXPECT_DOUBLE_EQ(read["sensitivity"]["length_um_per_mm"], 0.03);
   EXPECT_DOUBLE_EQ(read["lost_motion_um"], 0.5);
   EXPECT_EQ(read["calibration"]["control_compensation"], "pitch on, volumetric off");
   // The same finding of both passes is one finding.

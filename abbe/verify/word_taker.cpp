@@ -140,7 +140,7 @@ bool WordTaker::g_word(double value, std::size_t column) {
   // G43.4 H applies the tool length as G43 does
   const CodeUse& use = switches && number == 434 ? kTcpLength : is_code ? profile_.g[static_cast<std::size_t>(number)] : kUnknown;
   if (switches && use.meaning == Meaning::unknown) return true;
-  return take_code(fmt::format("G{:g}", value), number, use, {}, column);
+  return take_code({}, value, number, use, {}, column);
 }
 
 bool WordTaker::keyword(const Profile::Keyword& word, std::string_view text, std::size_t column) {
@@ -151,14 +151,15 @@ bool WordTaker::keyword(const Profile::Keyword& word, std::string_view text, std
     block_.tcp = use.meaning == Meaning::tcp_on;
     return true;
   }
-  return take_code(word.name, static_cast<int>(word.index), use, text, column);
+  return take_code(word.name, 0, static_cast<int>(word.index), use, text, column);
 }
 
-/// Into its modal group, or beside the others.
-bool WordTaker::take_code(const std::string& name, int number, const CodeUse& use, std::string_view text, std::size_t column) {
+/// Into its modal group, or beside the others. `word`: its name if it is a word; else it is G and the value.
+bool WordTaker::take_code(std::string_view word, double value, int number, const CodeUse& use, std::string_view text, std::size_t column) {
   const Seat seat = seat_of(use.meaning);
   if (seat.group == kNoGroup) return extra('G', use, number, text, column);
-  if (seat.group < 0) return refuse_code(name, "E-GCODE", use, column);
+  const auto name = [&] { return word.empty() ? fmt::format("G{:g}", value) : std::string(word); };
+  if (seat.group < 0) return refuse_code(name(), "E-GCODE", use, column);
   const int code = use.meaning == Meaning::work_offset ? use.number - 1 : seat.code >= 0 ? seat.code : number;
   const auto group = static_cast<std::size_t>(seat.group);
   const std::uint32_t bit = std::uint32_t{1} << group;
@@ -167,7 +168,7 @@ bool WordTaker::take_code(const std::string& name, int number, const CodeUse& us
     constexpr int no_motion = 800;
     if (code == no_motion) return true;
     if (block_.g[group] != no_motion)
-      return refuse(fault_, column, at_ + 1 - column, "E-BLOCK", fmt::format("{}: two codes of one group in a block", name),
+      return refuse(fault_, column, at_ + 1 - column, "E-BLOCK", fmt::format("{}: two codes of one group in a block", name()),
                     "they contradict each other", "use two blocks");
   }
   block_.g_groups |= bit;

@@ -42,7 +42,7 @@ class WordTaker {
  private:
   bool refuse_code(const std::string& name, const char* usual, const CodeUse& use, std::size_t column);
   bool extra(char kind, const CodeUse& use, int code, std::string_view text, std::size_t column);
-  bool take_code(const std::string& name, int number, const CodeUse& use, std::string_view text, std::size_t column);
+  bool take_code(std::string_view word, double value, int number, const CodeUse& use, std::string_view text, std::size_t column);
   bool tcp_switch(char letter, int code);
 };
 
