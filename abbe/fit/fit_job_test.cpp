@@ -14,12 +14,17 @@ const std::string kHead = "format = 1\nmachine = \"hidden.toml\"\n";
 const std::string kRun = "[[run]]\nfile = \"x.csv\"\nerror = \"EXX\"\n";
 
 test::Files files() {
-  return {{"hidden.toml", test::three_axis_machine()},
-          {"x.csv", "target [mm],run,direction,deviation [um]\n0,1,+,0\n100,1,+,1\n200,1,+,3\n"},
-          {"copy.csv", "target [mm],run,direction,deviation [um]\n0,1,+,0\n100,1,+,1\n200,1,+,3\n"},
-          {"far.csv", "target [mm],run,direction,deviation [um]\n0,1,+,0\n1000,1,+,1\n"},
-          {"angle.csv", "target [mm],run,direction,deviation [arcsec]\n0,1,+,0\n100,1,+,1\n"},
-          {"points.csv", "X [mm],Y [mm],Z [mm],x [mm],y [mm],z [mm]\n0,0,0,0,0,180\n100,0,0,100,0,180\n"}};
+  return {
+      {"hidden.toml", test::three_axis_machine()},
+      {"x.csv", "target [mm],run,direction,deviation [um]\n0,1,+,0\n100,1,+,1\n200,1,+,3\n"},
+      {"copy.csv", "target [mm],run,direction,deviation [um]\n0,1,+,0\n100,1,+,1\n200,1,+,3\n"},
+      {"far.csv", "target [mm],run,direction,deviation [um]\n0,1,+,0\n1000,1,+,1\n"},
+      {"angle.csv", "target [mm],run,direction,deviation [arcsec]\n0,1,+,0\n100,1,+,1\n"},
+      {"points.csv", "X [mm],Y [mm],Z [mm],x [mm],y [mm],z [mm]\n0,0,0,0,0,180\n100,0,0,100,0,180\n"},
+      {"balls.csv", "X [mm],Y [mm],Z [mm],ball,x [um],y [um],z [um]\n0,0,0,1,1,2,3\n0,0,0,1,2,2,3\n"},
+      {"log.csv",
+       "time [min],T1 [degC],Z1 [um]\n0,20,0\n1,21,1\n2,22,2\n3,23,3\n4,24,4\n5,24,4\n6,24,5\n7,23,4\n8,22,"
+       "3\n9,22,2\n"}};
 }
 
 std::string code_of(const std::string& job) {
@@ -81,7 +86,9 @@ TEST(ReadFitJob, TotalOnAnyBytes) {
       kHead + "[units]\nerror_angle = \"arcsec\"\n[functions]\nEXX = { form = \"cubic\", count = 4 }\n" +
       kRun + "at = { Y = 2 }\nsquare = \"s\"\n[[square]]\nname = \"s\"\nu = 1\n" +
       "[[value]]\nerror = \"EC0Y\"\nvalue = 3\nu = 1\n[[points]]\nfile = \"points.csv\"\n" +
-      "[[diagonal]]\nfile = \"x.csv\"\nfrom = { X = 0 }\nto = { X = 200 }\n";
+      "[[diagonal]]\nfile = \"x.csv\"\nfrom = { X = 0 }\nto = { X = 200 }\n" +
+      "[[ball]]\nfile = \"balls.csv\"\nnest = \"work\"\n[thermal]\nerrors = [\"EZt\"]\nsensors = [\"T1\"]\n" +
+      "[[drift]]\nfile = \"log.csv\"\nreadings = { Z1 = { direction = \"Z\", optic = [1, 2, 3] } }\n";
   for (int round = 0; round < 2000; ++round) {
     const std::string text = test::damaged(seed, random, 1 + round % 4);
     const Parsed<FitJob> parsed = test::read_job(text, files());

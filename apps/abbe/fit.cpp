@@ -1,10 +1,14 @@
 #include <fmt/core.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "abbe/chain/predict.h"
 #include "abbe/core/file.h"
@@ -12,6 +16,7 @@
 #include "abbe/fit/errors_file.h"
 #include "abbe/fit/fit_job.h"
 #include "abbe/fit/joint_fit.h"
+#include "abbe/fit/state_grids.h"
 #include "abbe/report/json_writer.h"
 #include "common.h"
 #include "fit_thermal.h"
@@ -24,7 +29,8 @@ namespace {
 using Layout = JsonWriter::Layout;
 
 struct FitArguments {
-  std::string job, output;
+  std::vector<std::string> jobs;
+  std::string output, states;
   bool json = false, covariance = false;
 };
 
@@ -103,8 +109,7 @@ double second_order(const Machine& machine, const Observations& observations) {
   return most;
 }
 
-std::optional<FitAnswer> answer_of(const FitArguments& arguments, Session& session) {
-  const std::string& path = arguments.job;
+std::optional<FitAnswer> answer_of(const std::string& path, const FitArguments& arguments, Session& session) {
   const std::optional<std::string> text = read_input(path, session);
   if (!text) return std::nullopt;
   Parsed<FitJob> job = read_fit_job({path, *text}, fetch_file);
@@ -227,14 +232,73 @@ std::string json_of(const FitAnswer& answer) {
   return json.take();
 }
 
+/// "T1=18.2/23.9": the sensor and its temperature in every job, increasing.
+std::optional<std::pair<std::string, std::vector<double>>> read_states(const FitArguments& arguments,
+                                                                       Session& session) {
+  Diagnostics wrong;
+  std::vector<double> temperatures;
+  const auto given = split_assignments("--states", {arguments.states}, wrong);
+  if (given.size() == 1) {
+    std::string text = given[0].text;
+    std::replace(text.begin(), text.end(), '/', ',');
+    for (const std::string& piece : split_list(text))
+      if (const auto value = option_number("--states", given[0].name, piece, wrong))
+        temperatures.push_back(*value);
+  }
+  const bool increase = std::adjacent_find(temperatures.begin(), temperatures.end(),
+                                           std::greater_equal<>()) == temperatures.end();
+  if (wrong.empty() && (temperatures.size() != arguments.jobs.size() || temperatures.size() < 2 || !increase))
+    wrong.push_back(option_error("--states", "not one increasing temperature for each job",
+                                 "abbe fit cold.toml warm.toml --states T1=18.2/23.9"));
+  session.report(wrong);
+  if (!wrong.empty()) return std::nullopt;
+  return std::pair(given[0].name, temperatures);
+}
+
+bool publish(const FitArguments& arguments, const std::vector<std::string>& inputs, const std::string& errors,
+             Session& session) {
+  return arguments.output.empty() || (is_apart("-o", arguments.output, inputs, session) &&
+                                      publish_text(arguments.output, errors, session));
+}
+
+/// One machine measured in several thermal states: each job by itself, then all of them as grids.
+void run_states(const FitArguments& arguments, Session& session) {
+  const auto asked = read_states(arguments, session);
+  if (!asked) return;
+  std::vector<FitAnswer> answers;
+  std::vector<ThermalState> states;
+  std::vector<std::string> inputs;
+  for (std::size_t i = 0; i < arguments.jobs.size(); ++i) {
+    auto answer = answer_of(arguments.jobs[i], arguments, session);
+    if (!answer) return;
+    report_doubts(answer->job, answer->result, session);
+    states.push_back({asked->second[i], answer->result});
+    inputs.insert(inputs.end(), answer->job.files.begin(), answer->job.files.end());
+    answers.push_back(std::move(*answer));
+  }
+  const StateGrids grids = write_state_grids(answers.front().job, asked->first, states);
+  if (!grids.obstacle.empty()) {
+    session.report(about_job(answers.front().job, Severity::error, "E-FIT-STATES", grids.obstacle,
+                             "a grid needs every error in every state",
+                             "measure and name the same in all jobs"));
+    return;
+  }
+  answers.front().errors = grids.text;
+  if (!read_back(answers.front(), session) || !publish(arguments, inputs, grids.text, session)) return;
+  for (std::size_t i = 0; i < answers.size() && !arguments.json; ++i)
+    session.out.write(fmt::format("{}{} = {:g} degC\n{}", i == 0 ? "" : "\n", asked->first,
+                                  states[i].temperature, text_of(answers[i])));
+  if (!arguments.json) return;
+  for (const FitAnswer& answer : answers) session.out.write(json_of(answer) + "\n");
+}
+
 void run_fit(const FitArguments& arguments, Session& session) {
-  const std::optional<FitAnswer> answer = answer_of(arguments, session);
+  if (arguments.jobs.size() > 1 || !arguments.states.empty()) return run_states(arguments, session);
+  const std::optional<FitAnswer> answer = answer_of(arguments.jobs.front(), arguments, session);
   if (!answer) return;
   report_doubts(answer->job, answer->result, session);
   report_thermal_doubts(answer->job, answer->thermal, session);
-  if (!arguments.output.empty() && (!is_apart("-o", arguments.output, answer->job.files, session) ||
-                                    !publish_text(arguments.output, answer->errors, session)))
-    return;
+  if (!publish(arguments, answer->job.files, answer->errors, session)) return;
   session.out.write(arguments.json ? json_of(*answer) : text_of(*answer));
 }
 
@@ -244,7 +308,13 @@ Verb fit_verb(CLI::App& program, Session& session) {
   CLI::App* command = program.add_subcommand(
       "fit", "the machine's errors from measurements: an errors file with uncertainties");
   auto arguments = std::make_shared<FitArguments>();
-  command->add_option("job", arguments->job, "what was measured where (TOML)")->required()->type_name("JOB");
+  command->add_option("job", arguments->jobs, "what was measured where (TOML); several with --states")
+      ->required()
+      ->type_name("JOB");
+  command
+      ->add_option("--states", arguments->states,
+                   "temperature of each job: errors as grids of position and temperature")
+      ->type_name("SENSOR=T/T/..");
   command->add_option("-o,--output", arguments->output, "errors file for --errors")->type_name("FILE");
   command->add_flag("--covariance", arguments->covariance,
                     "writes how the errors are uncertain together, for map --uncertainty");

@@ -8,6 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "abbe/machine/uncertainty_modes.h"
+
 // A machine file, then after a zero byte an errors file, then after another one the bytes of every CSV
 // file. Whatever they are: a value or an error, never both, and no number that is none.
 
@@ -64,6 +66,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const abbe::Diagnostic& diagnostic : parsed.diagnostics) {
     require(!diagnostic.code.empty() && !diagnostic.place.file.empty() && !abbe::to_text(diagnostic).empty());
   }
-  if (parsed.value) check(*parsed.value);
+  if (!parsed.value) return 0;
+  check(*parsed.value);
+  const abbe::MachineText text = errors ? *errors : abbe::MachineText{"machine.toml", parts[0]};
+  const auto modes = abbe::read_uncertainty_modes(*parsed.value, text, fetch);
+  require(modes.value.has_value() != abbe::has_errors(modes.diagnostics));
   return 0;
 }

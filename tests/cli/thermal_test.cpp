@@ -1,0 +1,131 @@
+// From logs of temperature and drift to a prediction; the uncertainty of a map; a warm workpiece.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "run_program.h"
+
+namespace abbe::cli {
+namespace {
+
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+class Thermal : public ::testing::Test {
+ protected:
+  ProgramRun run(std::vector<std::string> arguments) { return run_abbe(arguments, {}, folder_.path()); }
+  json ask(std::vector<std::string> arguments) {
+    arguments.emplace_back("--json");
+    const ProgramRun result = run(std::move(arguments));
+    EXPECT_EQ(result.exit, 0) << result.err;
+    return result.exit == 0 ? json::parse(result.out) : json();
+  }
+
+  Folder folder_;
+  std::string mill_ =
+      folder_.put("mill.toml",
+                  "format = 1\n[machine]\nname = \"mill\"\nchain = \"w X b Y Z S t\"\n[axis.X]\nrange = "
+                  "[0, 500]\nerrors_seen = \"tool\"\n[axis.Y]\nrange = [0, 400]\n[axis.Z]\nrange = [-300, "
+                  "0]\n[tool]\norigin = [0, 0, 400]\nlength = 100\n");
+  std::string hidden_ = folder_.put("hidden.toml",
+                                    "format = 1\n[errors]\nTZS = { poly = [0, 3], of = \"slow\", reference = "
+                                    "20 }\n[sensors]\nslow = { of = "
+                                    "\"spindle\", lag = 1800 }\n");
+  std::string job_ = folder_.put(
+      "job.toml",
+      "format = 1\nmachine = \"mill.toml\"\n[thermal]\nerrors = [\"TZS\"]\nsensors = [\"spindle\", "
+      "\"hall\"]\n"
+      "[[drift]]\nfile = \"a.csv\"\nreadings = { Z1 = { direction = \"Z\" } }\n"
+      "[[drift]]\nfile = \"b.csv\"\nuse = \"validation\"\nreadings = { Z1 = { direction = \"Z\" } }\n");
+};
+
+TEST_F(Thermal, LogsBecomeErrorsThatALogAnswers) {
+  ASSERT_EQ(run({"simulate", "drift", job_, "--errors", "hidden.toml", "--seed", "2"}).exit, 0);
+  EXPECT_EQ(run({"simulate", "drift", job_, "--errors", "hidden.toml"}).exit, 2);  // not over measurements
+  const json fit = ask({"fit", job_, "-o", folder_ / "errors.toml"})["thermal"]["models"][0];
+  EXPECT_EQ(fit["name"], "TZS");
+  EXPECT_FALSE(fit["misfit"].get<bool>());
+  EXPECT_LT(fit["validation_rms"].get<double>(), 0.2 * fit["validation_before_rms"].get<double>());
+  ASSERT_EQ(fit["terms"].size(), 1U);
+  EXPECT_NEAR(fit["terms"][0]["lag_s"].get<double>(), 1800, 200);
+  // Without the log the lagged sensor is missing, and the message says how to give it.
+  const ProgramRun missing = run({"predict", "mill.toml", "--errors", "errors.toml", "--at", "X=0,Y=0,Z=0"});
+  EXPECT_EQ(missing.exit, 2);
+  EXPECT_THAT(missing.err, HasSubstr("--environment LOG.csv"));
+  // With it found and hidden errors agree on the last row of a log that was not fitted.
+  const auto z_of = [&](const std::string& errors) {
+    return ask({"predict", "mill.toml", "--errors", errors, "--environment", "b.csv", "--at",
+                "X=0,Y=0,Z=0"})["points"][0]["deviation"]["position_mm"][2]
+        .get<double>();
+  };
+  EXPECT_NEAR(z_of("errors.toml"), z_of("hidden.toml"), 0.6e-3);
+  EXPECT_GT(std::abs(z_of("hidden.toml")), 2e-3);
+}
+
+TEST_F(Thermal, ShortLogsAreWarnedOf) {
+  folder_.put("log.csv", "time [min],spindle [degC]\n0,20\n10,25\n");
+  const ProgramRun run_short = run(
+      {"predict", "mill.toml", "--errors", "hidden.toml", "--environment", "log.csv", "--at", "X=0,Y=0,Z=0"});
+  EXPECT_EQ(run_short.exit, 0);
+  EXPECT_THAT(run_short.err, HasSubstr("W-SENSOR-LOG"));
+  folder_.put("log.csv", "time [min],spindle [degC]\n10,20\n0,25\n");
+  EXPECT_EQ(run({"predict", "mill.toml", "--errors", "hidden.toml", "--environment", "log.csv", "--at",
+                 "X=0,Y=0,Z=0"})
+                .exit,
+            2);
+}
+
+TEST_F(Thermal, MapTellsItsUncertainty) {
+  folder_.put("errors.toml",
+              "format = 1\n[errors]\nEXX = 3\nEC0Y = 10\n[uncertainty]\nEXX = 1.5\nEC0Y = 10\n");
+  const json u = ask({"map", "mill.toml", "--errors", "errors.toml", "--count", "5", "--uncertainty",
+                      "--trials", "400"})["uncertainty"];
+  // EC0Y turns Y by 10 urad: 4 um in X at Y = 400, beside 1.5 um
+  EXPECT_NEAR(u["first_order"]["max_u_um"][0].get<double>(), std::hypot(4.0, 1.5), 1e-6);
+  EXPECT_NEAR(u["monte_carlo"]["max_u_um"][0].get<double>(), std::hypot(4.0, 1.5), 0.8);
+  EXPECT_LT(u["max_distance"]["low_95_um"].get<double>(), u["max_distance"]["high_95_um"].get<double>());
+  EXPECT_EQ(run({"map", "mill.toml", "--errors", "hidden.toml", "--set", "slow=22", "--uncertainty"}).exit,
+            2);
+}
+
+TEST_F(Thermal, WarmWorkpiecesAreCutLarger) {
+  const auto x_of = [&](std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"predict", "mill.toml", "--at", "X=100,Y=0,Z=0"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return ask(arguments)["points"][0]["deviation"]["position_mm"][0].get<double>();
+  };
+  EXPECT_NEAR(x_of({"--workpiece-temperature", "30", "--workpiece-ppm", "11.5"}), -11.5e-3, 1e-6);
+  EXPECT_NEAR(x_of({"--workpiece-temperature", "10", "--workpiece-ppm", "11.5"}), 11.5e-3, 1e-6);
+  EXPECT_EQ(x_of({}), 0);
+  const std::string part =
+      folder_.put("part.ngc", "G21 G90 G94\nT1 M6\nG43 H1\nG0 X0 Y0 Z50\nG1 F500 Z0\nX200\nM2\n");
+  folder_.put("t.tbl", "T1 P1 Z100.000 D10 ; gauge=100.000\n");
+  const std::vector<std::string> compensate = {
+      "compensate", "mill.toml",         part,      "-o",    folder_ / "out.ngc",
+      "--offset",   "G54=X10,Y20,Z-250", "--tools", "t.tbl", "--workpiece-temperature",
+      "30",         "--workpiece-ppm",   "11.5"};
+  const ProgramRun done = run(compensate);
+  ASSERT_EQ(done.exit, 0) << done.err;
+  std::ifstream file(folder_ / "out.ngc");
+  std::stringstream text;
+  text << file.rdbuf();
+  EXPECT_THAT(text.str(), HasSubstr("X200.023"));  // 200 mm * 11.5e-6 * 10
+  std::vector<std::string> ideal = compensate;
+  ideal.insert(ideal.end(), {"--datum", "ideal"});
+  const ProgramRun refused = run(ideal);
+  EXPECT_EQ(refused.exit, 2);
+  EXPECT_THAT(refused.err, HasSubstr("E-EXPANSION"));
+  EXPECT_EQ(run({"predict", "mill.toml", "--at", "X=0,Y=0,Z=0", "--workpiece-ppm", "11.5"}).exit, 2);
+  EXPECT_EQ(run({"predict", "mill.toml", "--at", "X=0,Y=0,Z=0", "--workpiece-ppm", "11500",
+                 "--workpiece-temperature", "30"})
+                .exit,
+            2);
+}
+
+}  // namespace
+}  // namespace abbe::cli
