@@ -46,21 +46,27 @@ struct Topology {
   const char* text;
 };
 const Topology kTopologies[] = {
-    {"table-table", "chain = \"w C A Y b X Z t\"\n[axis.A]\ndirection = [-1, 0, 0]\norigin = [0, 0, -50]\nerrors_seen = "
-                    "\"tool\"\n[axis.C]\ndirection = [0, 0, -1]\norigin = [0, 30, -80]\nerrors_seen = \"tool\"\n"
-                    "[axis.Y]\nerrors_seen = \"tool\"\n"},
-    {"table, three below", "chain = \"w C A Y X b Z t\"\n[axis.A]\ndirection = [-1, 0, 0]\norigin = [0, 0, -50]\n"
-                           "errors_seen = \"tool\"\n[axis.C]\ndirection = [0, 0, -1]\norigin = [0, 30, -80]\n"
-                           "errors_seen = \"tool\"\n[axis.X]\nerrors_seen = \"tool\"\n[axis.Y]\nerrors_seen = \"tool\"\n"},
-    {"head-head", "chain = \"w b X Y Z C A t\"\n[axis.C]\norigin = [0, 30, 400]\n[axis.A]\norigin = [0, 30, 380]\n"},
-    {"mixed", "chain = \"w C X b Y Z A t\"\n[axis.C]\ndirection = [0, 0, -1]\norigin = [0, 30, -80]\nerrors_seen = "
-              "\"tool\"\n[axis.X]\nerrors_seen = \"tool\"\n[axis.A]\norigin = [0, 30, 380]\n"},
-    {"odd", "chain = \"w X Y b C A Z t\"\n[axis.C]\norigin = [0, 30, 400]\n[axis.A]\norigin = [0, 30, 380]\n"
-            "[axis.X]\nerrors_seen = \"tool\"\n[axis.Y]\nerrors_seen = \"tool\"\n"}};
+    {"table-table",
+     "chain = \"w C A Y b X Z t\"\n[axis.A]\ndirection = [-1, 0, 0]\norigin = [0, 0, -50]\nerrors_seen = "
+     "\"tool\"\n[axis.C]\ndirection = [0, 0, -1]\norigin = [0, 30, -80]\nerrors_seen = \"tool\"\n"
+     "[axis.Y]\nerrors_seen = \"tool\"\n"},
+    {"table, three below",
+     "chain = \"w C A Y X b Z t\"\n[axis.A]\ndirection = [-1, 0, 0]\norigin = [0, 0, -50]\n"
+     "errors_seen = \"tool\"\n[axis.C]\ndirection = [0, 0, -1]\norigin = [0, 30, -80]\n"
+     "errors_seen = \"tool\"\n[axis.X]\nerrors_seen = \"tool\"\n[axis.Y]\nerrors_seen = \"tool\"\n"},
+    {"head-head",
+     "chain = \"w b X Y Z C A t\"\n[axis.C]\norigin = [0, 30, 400]\n[axis.A]\norigin = [0, 30, 380]\n"},
+    {"mixed",
+     "chain = \"w C X b Y Z A t\"\n[axis.C]\ndirection = [0, 0, -1]\norigin = [0, 30, -80]\nerrors_seen = "
+     "\"tool\"\n[axis.X]\nerrors_seen = \"tool\"\n[axis.A]\norigin = [0, 30, 380]\n"},
+    {"odd",
+     "chain = \"w X Y b C A Z t\"\n[axis.C]\norigin = [0, 30, 400]\n[axis.A]\norigin = [0, 30, 380]\n"
+     "[axis.X]\nerrors_seen = \"tool\"\n[axis.Y]\nerrors_seen = \"tool\"\n"}};
 
 Machine machine_of(const Topology& topology) {
-  std::string text = "format = 1\n[machine]\nname = \"" + std::string(topology.name) + "\"\n" + topology.text +
-                     "[tool]\norigin = [0, 0, 300]\nlength = 150\n[workpiece]\norigin = [0, 30, -80]\n[errors]\n";
+  std::string text =
+      "format = 1\n[machine]\nname = \"" + std::string(topology.name) + "\"\n" + topology.text +
+      "[tool]\norigin = [0, 0, 300]\nlength = 150\n[workpiece]\norigin = [0, 30, -80]\n[errors]\n";
   int seed = 1;
   for (const std::string axis : {"X", "Y", "Z", "A", "C"}) {
     for (const char d : std::string("XYZABC")) {
@@ -68,9 +74,11 @@ Machine machine_of(const Topology& topology) {
       text += table(std::string("E") + d + axis, seed++, 10, rotary ? -180 : -500, rotary ? 180 : 500);
     }
   }
-  text += "EC0X = 20\nEB0X = -5\nEA0Z = -12\nEB0Z = 9\nEA0C = 14\nEB0C = -8\nEY0A = 11\nEZ0A = 6\nEB0A = 7\nEC0A = -9\n";
-  const Parsed<Machine> parsed = read_machine({"bench.toml", text}, std::nullopt,
-                                              [](const std::string&) { return std::optional<std::string>(); });
+  text +=
+      "EC0X = 20\nEB0X = -5\nEA0Z = -12\nEB0Z = 9\nEA0C = 14\nEB0C = -8\nEY0A = 11\nEZ0A = 6\nEB0A = 7\nEC0A "
+      "= -9\n";
+  const Parsed<Machine> parsed = read_machine(
+      {"bench.toml", text}, std::nullopt, [](const std::string&) { return std::optional<std::string>(); });
   if (!parsed.value) {
     std::fprintf(stderr, "%s: the machine is not valid\n", topology.name);
     std::exit(1);
@@ -200,8 +208,8 @@ KDL::Chain kdl_chain(const Machine& machine) {
       const Body& body = machine.axis(i - 1);
       const Vec3 u = body.branch == Branch::workpiece ? Vec3(-body.direction) : body.direction;
       const auto type = body.type == AxisType::rotary ? KDL::Joint::RotAxis : KDL::Joint::TransAxis;
-      chain.addSegment(KDL::Segment(
-          KDL::Joint(KDL::Vector::Zero(), KDL::Vector(u.x(), u.y(), u.z()), type), step));
+      chain.addSegment(
+          KDL::Segment(KDL::Joint(KDL::Vector::Zero(), KDL::Vector(u.x(), u.y(), u.z()), type), step));
     }
   }
   return chain;
@@ -239,21 +247,25 @@ int main(int argc, char** argv) {
       return 1;
     }
   }
-  candidates.push_back({"KDL forward + Jacobian", [&] {
+  candidates.push_back({"KDL forward + Jacobian",
+                        [&] {
                           for (const auto& q : joints) {
                             position.JntToCart(q, frame);
                             jacobian_solver.JntToJac(q, jacobian);
                             asm volatile("" : : "r"(jacobian.data.data()), "r"(&frame) : "memory");
                           }
-                        }, "", 1e300});
-  candidates.push_back({"KDL inverse (NR, start 1e-4 away)", [&] {
+                        },
+                        "", 1e300});
+  candidates.push_back({"KDL inverse (NR, start 1e-4 away)",
+                        [&] {
                           KDL::JntArray start(5), out(5);
                           for (std::size_t i = 0; i < kPoses; i += 16) {
                             for (unsigned k = 0; k < 5; ++k) start(k) = joints[i](k) + 1e-4;
                             inverse.CartToJnt(start, frames[i], out);
                             asm volatile("" : : "r"(out.data.data()) : "memory");
                           }
-                        }, "", 1e300});
+                        },
+                        "", 1e300});
 
   for (const char* name : {"baseline", "avx2", "avx512"}) {
     const kernel::Kernel* k = kernel::named(name);
@@ -263,7 +275,8 @@ int main(int argc, char** argv) {
         Subject& s = *subject;
         const auto batch = [&s, k, steps] {
           s.setting.exact_steps = steps;
-          k->correct_poses(s.flat->view(), s.setting, s.from.data(), kPoses, s.to.data(), s.last.data(), s.lanes.data());
+          k->correct_poses(s.flat->view(), s.setting, s.from.data(), kPoses, s.to.data(), s.last.data(),
+                           s.lanes.data());
         };
         const auto single = [&s, k, steps] {
           s.setting.exact_steps = steps;
@@ -306,8 +319,8 @@ int main(int argc, char** argv) {
   std::printf("%-46s %9s %10s %10s\n", "best of the rounds, one core", "ns/pose", "FK+J / us", "IK / us");
   for (const Candidate& c : candidates) {
     if (c.best > 1e200) continue;
-    std::printf("%-46s %9.1f %10.1f %10.0f  %s\n", c.name.c_str(), c.best, unit / c.best, inverse_unit / c.best,
-                c.note.c_str());
+    std::printf("%-46s %9.1f %10.1f %10.0f  %s\n", c.name.c_str(), c.best, unit / c.best,
+                inverse_unit / c.best, c.note.c_str());
   }
   for (const char* name : {"baseline", "avx2", "avx512"}) print_spread(name, candidates);
   return 0;

@@ -28,7 +28,7 @@ struct AxisTable {
   std::uint32_t first_bucket = 0, bucket_count = 1;
   double bucket_lo = 0, buckets_per_unit = 0;
   double lo = -std::numeric_limits<double>::infinity(), hi = std::numeric_limits<double>::infinity();
-  bool bounded = false;            ///< beyond [lo, hi] some function is held at its end
+  bool bounded = false;              ///< beyond [lo, hi] some function is held at its end
   double period = 0, period_lo = 0;  ///< > 0: the position is taken into [period_lo, period_lo + period)
   double waves_lo = 0, waves_hi = 0;
   std::uint32_t first_wave = 0, wave_count = 0;

@@ -100,9 +100,7 @@ class Leaf {
   }
 
   [[nodiscard]] bool is_wave() const { return pieces.empty(); }
-  [[nodiscard]] double slack() const {
-    return component < 3 ? kTabulatedMm : kTabulatedRad;
-  }
+  [[nodiscard]] double slack() const { return component < 3 ? kTabulatedMm : kTabulatedRad; }
 
   /// The function about `origin` on the segment [a, b] around `inside`: constant where it is held.
   [[nodiscard]] Polynomial around(double origin, double inside, double a, double b) const {
@@ -238,7 +236,8 @@ class AxisTableBuilder {
   void add(const Leaf& leaf, double origin, double a, double b,
            std::vector<std::array<double, kComponents>>& rows) const {
     const double inside = (a + b) / 2;
-    if (leaf.is_wave() && !(inside >= table_.waves_lo && inside <= table_.waves_hi && !waves_directly_)) return;
+    if (leaf.is_wave() && !(inside >= table_.waves_lo && inside <= table_.waves_hi && !waves_directly_))
+      return;
     const Polynomial p = leaf.around(origin, inside, a, b);
     if (rows.size() < p.size()) rows.resize(p.size(), {});
     for (std::size_t k = 0; k < p.size(); ++k) rows[k][static_cast<std::size_t>(leaf.component)] += p[k];

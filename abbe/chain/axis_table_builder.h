@@ -28,10 +28,9 @@ struct AxisLeaf {
 /// How far a tabulated sine may be from the sine.
 inline constexpr double kTabulatedMm = 1e-12, kTabulatedRad = 1e-15;
 
-/// Appends to the plan the tables that stand for `leaves`, all of one axis and one direction of approach: one for
-/// what does not repeat, one per period. The plan's travels and units are set. `constant` is added to the first
-/// one. No leaves: one table of `constant`.
-/// laws     TabulatedErrorsAreTheErrors
+/// Appends to the plan the tables that stand for `leaves`, all of one axis and one direction of approach: one
+/// for what does not repeat, one per period. The plan's travels and units are set. `constant` is added to the
+/// first one. No leaves: one table of `constant`. laws     TabulatedErrorsAreTheErrors
 void append_tables(Plan::Impl& plan, int axis, std::span<const AxisLeaf> leaves,
                    const std::array<double, kComponents>& constant);
 

@@ -10,7 +10,7 @@ namespace abbe {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kOpenTravel = 5000;  // mm, of an axis without travels
+constexpr double kOpenTravel = 5000;   // mm, of an axis without travels
 constexpr double kSecondOrder = 1.01;  // products of errors, which the sum above leaves out
 // Slope jumps below this (mm/mm, and rad/mm times the lever) are rounding of splines and of tabulated sines.
 constexpr double kNoJump = 1e-9;
@@ -106,7 +106,8 @@ class TableBounds {
   }
   [[nodiscard]] double value(std::uint32_t segment, double t, int component) const {
     double sum = 0;
-    for (std::uint32_t power = table_.rows; power-- > 0;) sum = sum * t + coefficient(segment, power, component);
+    for (std::uint32_t power = table_.rows; power-- > 0;)
+      sum = sum * t + coefficient(segment, power, component);
     return sum;
   }
   [[nodiscard]] double slope(std::uint32_t segment, double t, int component) const {
@@ -159,7 +160,9 @@ double straight_reach(const Plan& plan, const Tool& tool, double bend) {
   if (!std::isfinite(curvature) || !std::isfinite(jump)) return 0;
   // L^2/8 K + L/4 J = bend
   const double a = curvature / 8, b = jump / 4;
-  const double length = a > 0 ? (-b + std::sqrt(b * b + 4 * a * bend)) / (2 * a) : b > 0 ? bend / b : kInfinity;
+  const double length = a > 0   ? (-b + std::sqrt(b * b + 4 * a * bend)) / (2 * a)
+                        : b > 0 ? bend / b
+                                : kInfinity;
   return std::min(length, reach);
 }
 

@@ -26,7 +26,9 @@ Machine with_tabulated_errors(RandomMachine& random) {
   return machine;
 }
 
-Vec3 error_at(const Plan& plan, const Query& query) { return actual_tip(plan, query) - nominal_tip(plan, query); }
+Vec3 error_at(const Plan& plan, const Query& query) {
+  return actual_tip(plan, query) - nominal_tip(plan, query);
+}
 
 TEST(Bend, ErrorsBendNoMoreThanTheBound) {
   RandomMachine random(41);
@@ -63,8 +65,8 @@ TEST(Bend, WhatIsNotTabulatedHasNoReach) {
   RandomMachine random(42);
   Machine machine = with_tabulated_errors(random);
   ASSERT_FALSE(machine.errors.empty());
-  machine.errors[0].function = ErrorFunction::product(
-      {*ErrorFunction::polynomial(0, {0, 1}), *ErrorFunction::polynomial(1, {0, 1})});
+  machine.errors[0].function =
+      ErrorFunction::product({*ErrorFunction::polynomial(0, {0, 1}), *ErrorFunction::polynomial(1, {0, 1})});
   EXPECT_EQ(straight_reach(std::get<Plan>(make_plan(machine, kWarm)), tool_of(machine), 1e-3), 0);
 }
 
@@ -103,7 +105,8 @@ TEST(Bend, FarMeasuringPointsLengthenTheLever) {
     Query from, to, middle;
     from.tool = to.tool = middle.tool = tool_of(machine);
     from.q[0] = x, to.q[0] = x + reach, middle.q[0] = x + reach / 2;
-    worst = std::max(worst, (error_at(plan, middle) - (error_at(plan, from) + error_at(plan, to)) / 2).norm());
+    worst =
+        std::max(worst, (error_at(plan, middle) - (error_at(plan, from) + error_at(plan, to)) / 2).norm());
   }
   EXPECT_LE(worst, bend);
   EXPECT_GT(worst, bend / 4);
@@ -112,7 +115,8 @@ TEST(Bend, FarMeasuringPointsLengthenTheLever) {
 TEST(Bend, AStepHasNoReach) {
   // Two positions that are one in double arithmetic: 3 um at once.
   const Machine machine =
-      small_machine("EYX", *ErrorFunction::table(0, {-10, 5, 5 + 2e-15, 10}, {0, 0, 0.003, 0.003}, ErrorFunction::Interpolation::linear));
+      small_machine("EYX", *ErrorFunction::table(0, {-10, 5, 5 + 2e-15, 10}, {0, 0, 0.003, 0.003},
+                                                 ErrorFunction::Interpolation::linear));
   EXPECT_EQ(straight_reach(std::get<Plan>(make_plan(machine, {})), tool_of(machine), 1e-3), 0);
 }
 

@@ -22,13 +22,17 @@ AddressedAxes addressed_axes(const Machine& machine) {
     const Body& body = machine.axis(i);
     if (body.address.size() != 1) continue;
     const char letter = body.address[0];
-    if (body.type == AxisType::linear && letter >= 'X' && letter <= 'Z') axes.linear[static_cast<std::size_t>(letter - 'X')] = i;
-    if (body.type == AxisType::rotary && letter >= 'A' && letter <= 'C') axes.rotary[static_cast<std::size_t>(letter - 'A')] = i;
+    if (body.type == AxisType::linear && letter >= 'X' && letter <= 'Z')
+      axes.linear[static_cast<std::size_t>(letter - 'X')] = i;
+    if (body.type == AxisType::rotary && letter >= 'A' && letter <= 'C')
+      axes.rotary[static_cast<std::size_t>(letter - 'A')] = i;
   }
   return axes;
 }
 
-Affine after(const Affine& first, const Affine& second) { return {second.A * first.A, second.A * first.b + second.b}; }
+Affine after(const Affine& first, const Affine& second) {
+  return {second.A * first.A, second.A * first.b + second.b};
+}
 
 std::optional<Affine> inverse(const Affine& map) {
   if (!(std::abs(map.A.determinant()) > kIndependent)) return std::nullopt;
@@ -43,7 +47,8 @@ Query ControlKinematics::query(const Vec3& m, const Turns& turns, const Tool& to
   Query query;
   query.tool = tool;
   for (std::size_t k = 0; k < 3; ++k) {
-    if (axes_.linear[k] >= 0) query.q[static_cast<std::size_t>(axes_.linear[k])] = m[static_cast<Eigen::Index>(k)];
+    if (axes_.linear[k] >= 0)
+      query.q[static_cast<std::size_t>(axes_.linear[k])] = m[static_cast<Eigen::Index>(k)];
     if (axes_.rotary[k] >= 0) query.q[static_cast<std::size_t>(axes_.rotary[k])] = turns[k];
   }
   return query;
@@ -53,7 +58,8 @@ Affine ControlKinematics::tip_of_axes(const Turns& turns, const Tool& tool) cons
   Affine map;
   map.b = nominal_tip(believed_, query(Vec3::Zero(), turns, tool));
   for (Eigen::Index k = 0; k < 3; ++k)
-    map.A.col(k) = (nominal_tip(believed_, query(Vec3(kProbe * Vec3::Unit(k)), turns, tool)) - map.b) / kProbe;
+    map.A.col(k) =
+        (nominal_tip(believed_, query(Vec3(kProbe * Vec3::Unit(k)), turns, tool)) - map.b) / kProbe;
   return map;
 }
 

@@ -41,8 +41,9 @@ Vec3 about_z(double c, const Vec3& v) {
   return {std::cos(c) * v.x() - std::sin(c) * v.y(), std::sin(c) * v.x() + std::cos(c) * v.y(), v.z()};
 }
 
-// joints = Rx(a) (Rz(c) (P - R) - o) + o + R: the switchable kinematics xyzac-trt of LinuxCNC, P the point with the tool
-// offset in it, R a point of the axis of C, o the way from there to the axis of A plus the tool length along Z.
+// joints = Rx(a) (Rz(c) (P - R) - o) + o + R: the switchable kinematics xyzac-trt of LinuxCNC, P the point
+// with the tool offset in it, R a point of the axis of C, o the way from there to the axis of A plus the tool
+// length along Z.
 TEST(ControlKinematics, TcpOfATiltingTableIsTheFormulaOfItsDesigners) {
   const Machine machine = machine_of(kTiltingTable);
   const ControlKinematics control(machine, addressed_axes(machine));
@@ -93,7 +94,8 @@ TEST(ControlKinematics, UsesTheControlsOwnNumbers) {
   const Machine as_built = machine_of(kTiltingTable);
   const ControlKinematics built(as_built, addressed_axes(as_built));
   const Turns turns{0.5, 0, 0};
-  const Vec3 difference = (*control.axes_of_points(turns, kLength))(Vec3::Zero()) - (*built.axes_of_points(turns, kLength))(Vec3::Zero());
+  const Vec3 difference = (*control.axes_of_points(turns, kLength))(Vec3::Zero()) -
+                          (*built.axes_of_points(turns, kLength))(Vec3::Zero());
   // a centre that is 0.1 mm off moves the tip by (1 - R) 0.1
   const Vec3 off(0, 0.1, 0);
   EXPECT_LT((difference - (off - about_x(0.5, off))).norm(), 1e-9);

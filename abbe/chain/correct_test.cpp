@@ -46,8 +46,16 @@ struct InverseCase {
       : text(grinder::text(from.errors, from.scale)),
         position(from.pose[0], from.pose[1], from.pose[2]),
         direction(from.pose[3], from.pose[4], from.pose[5]),
-        x(from.ideal[0]), y(from.ideal[1]), z(from.ideal[2]), a(from.ideal[3]), c(from.ideal[4]),
-        xe(from.exact[0]), ye(from.exact[1]), ze(from.exact[2]), ae(from.exact[3]), ce(from.exact[4]) {}
+        x(from.ideal[0]),
+        y(from.ideal[1]),
+        z(from.ideal[2]),
+        a(from.ideal[3]),
+        c(from.ideal[4]),
+        xe(from.exact[0]),
+        ye(from.exact[1]),
+        ze(from.exact[2]),
+        ae(from.exact[3]),
+        ce(from.exact[4]) {}
 
   std::string text;
   Vec3 position, direction;
@@ -368,7 +376,8 @@ TEST(Correct, NearlyDependentLinearAxesAreNotSentFar) {
   const Parsed<Machine> quill = read_machine(
       {"quill.toml",
        "format = 1\n[machine]\nname = \"quill\"\nchain = \"w X Y b A Z t\"\n[axis.X]\nrange = [-300, 300]\n"
-       "errors_seen = \"tool\"\n[axis.Y]\nrange = [-300, 300]\nerrors_seen = \"tool\"\n[axis.Z]\nrange = [-200, "
+       "errors_seen = \"tool\"\n[axis.Y]\nrange = [-300, 300]\nerrors_seen = \"tool\"\n[axis.Z]\nrange = "
+       "[-200, "
        "200]\n[tool]\nlength = 100\n[errors]\nEYY = 5\nEZX = 12\nEAA = 10\n"},
       std::nullopt, [](const std::string&) { return std::optional<std::string>(); });
   ASSERT_TRUE(quill.value.has_value());

@@ -122,7 +122,8 @@ void CorrectionStep::prepare_linear(const std::array<double, kMaxAxes>& weights)
     const Vec3& a = position_[static_cast<std::size_t>(linear_[i])];
     j.columns[i] = {a.x(), a.y(), a.z()};
   }
-  linear_inverse_ = weighted_inverse(j, linear_, weights, position_rank_, linear_count_ == 3 ? kDependentAxes : 1e-7);
+  linear_inverse_ =
+      weighted_inverse(j, linear_, weights, position_rank_, linear_count_ == 3 ? kDependentAxes : 1e-7);
 }
 
 /// All axes together: dq = W^-1 (J W^-1)^+ r, rows of J three positions and two directions.

@@ -39,7 +39,8 @@ class CorrectionStep {
   [[nodiscard]] int singular_axis() const { return singular_axis_; }
   /// Independent directions in which the linear axes can move the tip.
   [[nodiscard]] int position_rank() const { return position_rank_; }
-  /// Three linear axes that move the tip in two directions only: the answer depends on where the search begins.
+  /// Three linear axes that move the tip in two directions only: the answer depends on where the search
+  /// begins.
   [[nodiscard]] bool dependent() const { return linear_count_ == 3 && position_rank_ < 3; }
   [[nodiscard]] bool redundant() const { return joint_ || linear_count_ > 3 || rotary_count_ > 2; }
   /// As many axes as equations: the solution removes the residual whatever the Jacobian.

@@ -26,8 +26,8 @@ class FunctionSorter {
     return std::all_of(used.begin(), used.end(), [&](int v) { return is_sensor(v); });
   }
 
-  /// nullopt if the function is more than a sum of polynomials, tables and sines of positions, each perhaps for one
-  /// direction of approach.
+  /// nullopt if the function is more than a sum of polynomials, tables and sines of positions, each perhaps
+  /// for one direction of approach.
   [[nodiscard]] std::optional<PiecewiseSum> as_sum(const ErrorFunction& f, bool& outside) const {
     PiecewiseSum sum;
     if (f.nodes().empty()) return sum;

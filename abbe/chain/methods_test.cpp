@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "abbe/chain/correct.h"
-#include "abbe/chain/test_grinder.h"
 #include "abbe/chain/method_fit.h"
 #include "abbe/chain/predict.h"
+#include "abbe/chain/test_grinder.h"
 #include "abbe/chain/test_random_machine.h"
 #include "abbe/machine/read_machine.h"
 

@@ -19,8 +19,9 @@ struct SmallMatrix {
 /// singular value is below `least` times the largest are left out of `rank`. No allocation.
 [[nodiscard]] SmallMatrix pseudo_inverse(const SmallMatrix& a, int& rank, double least = 1e-7);
 
-/// Three linear axes whose unit directions span less volume than this move the tip in two directions only: to make
-/// up for 10 um in the third they would travel a millimetre and more. The same number for the least singular value.
+/// Three linear axes whose unit directions span less volume than this move the tip in two directions only: to
+/// make up for 10 um in the third they would travel a millimetre and more. The same number for the least
+/// singular value.
 inline constexpr double kDependentAxes = 1e-2;
 
 }  // namespace abbe

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <string>
 
-#include "abbe/chain/test_grinder.h"
 #include "abbe/chain/predict.h"
+#include "abbe/chain/test_grinder.h"
 #include "abbe/chain/test_random_machine.h"
 #include "abbe/machine/read_machine.h"
 

@@ -99,8 +99,8 @@ template <>
 
 /// The tabulated functions of one axis position.
 template <class T>
-[[nodiscard, gnu::always_inline]] inline Six<T> evaluate(const Plan::Impl& plan, const AxisTable& table, const Inputs<T>& in,
-                                     bool* outside) {
+[[nodiscard, gnu::always_inline]] inline Six<T> evaluate(const Plan::Impl& plan, const AxisTable& table,
+                                                         const Inputs<T>& in, bool* outside) {
   const T q = in.q[table.axis];
   T x = q;
   if (table.bounded && !(value_of(x) >= table.lo && value_of(x) <= table.hi)) *outside = true;
@@ -127,7 +127,8 @@ inline void evaluate(const Plan::Impl& plan, const Group& group, const Inputs<T>
     sum = evaluate<T>(plan, plan.tables[group.first_table], in, outside);
     for (std::uint32_t b = 1; b < group.table_count; ++b) {
       const AxisTable& table = plan.tables[group.first_table + b];
-      const double weight = weight_of(table.direction, in.approach == nullptr ? 0 : in.approach[table.direction_axis]);
+      const double weight =
+          weight_of(table.direction, in.approach == nullptr ? 0 : in.approach[table.direction_axis]);
       if (weight != 0) sum += evaluate<T>(plan, table, in, outside) * T(weight);
     }
   } else {

@@ -19,8 +19,8 @@ constexpr int kLinearDecimals = 4, kRotaryDecimals = 5;
 constexpr int kDeepest = 12;    // 4096 pieces
 constexpr double kSpacing = 5;  // mm between looks along a piece
 constexpr double kTurnSpacing = 2 * deg;
-constexpr double kAtRest = 1e-6;     // mm
-constexpr double kSamePlace = 1e-4;  // mm: what a correction may leave of the tip
+constexpr double kAtRest = 1e-6;                      // mm
+constexpr double kSamePlace = 1e-4;                   // mm: what a correction may leave of the tip
 constexpr double kLeastFeed = 1e-3, kMostFeed = 1e6;  // mm/min, mm per turn, 1/min: beyond is a wrong number
 constexpr std::string_view kAddresses = "XYZABCUVW";
 
@@ -383,9 +383,10 @@ bool Emitter::drill(const Record& record, std::string& out) {
     return false;
   }
   if (!interpreter_.cycle_extra().empty()) {
-    findings_.refuse(record, {"E-CYCLE", fmt::format("{} in CYCLE/DRILL as axis words", interpreter_.cycle_extra()),
-                              "only a depth, a clearance and a feed are written as motions",
-                              "post the holes as GOTO records"});
+    findings_.refuse(
+        record,
+        {"E-CYCLE", fmt::format("{} in CYCLE/DRILL as axis words", interpreter_.cycle_extra()),
+         "only a depth, a clearance and a feed are written as motions", "post the holes as GOTO records"});
     return false;
   }
   const ToolPose bottom{hole.end.tip - hole.below * hole.end.axis, hole.end.axis},

@@ -128,8 +128,11 @@ TEST(EmitGcode, ACycleDrillsWithItsOwnFeed) {
                                   true, report);
     return report.complete ? text : report.diagnostics.front().code;
   };
-  const std::string nx = drilled("MM", "DRILL,RAPTO,2,FEDTO,-8,MMPM,80"), catia = drilled("MM", "DRILL,8,MMPM,80,2");
-  EXPECT_NE(nx.find("G1 Z-8.0000 F80.0000\nG0 Z2.0000\nG0 X0.0000\nG1 X1.0000 F1000.0000\n"), std::string::npos) << nx;
+  const std::string nx = drilled("MM", "DRILL,RAPTO,2,FEDTO,-8,MMPM,80"),
+                    catia = drilled("MM", "DRILL,8,MMPM,80,2");
+  EXPECT_NE(nx.find("G1 Z-8.0000 F80.0000\nG0 Z2.0000\nG0 X0.0000\nG1 X1.0000 F1000.0000\n"),
+            std::string::npos)
+      << nx;
   EXPECT_EQ(nx, catia);
   const std::string inches = drilled("INCHES", "DRILL,FEDTO,1,IPM,3");
   EXPECT_NE(inches.find("G1 Z-25.4000 F76.2000\n"), std::string::npos) << inches;
@@ -158,8 +161,9 @@ TEST(EmitGcode, ALongTimeKeepsItsDigits) {
 
 TEST(EmitGcode, AFeedPerMinuteCountsInTheUnitsOfTheFile) {
   GcodeReport report;
-  const std::string text = emit(
-      plan_of(kThreeAxes), "UNITS/INCHES\nRAPID\nGOTO/0,0,1\nFEDRAT/10,PERMIN\nGOTO/1,0,1\nFINI\n", true, report);
+  const std::string text =
+      emit(plan_of(kThreeAxes), "UNITS/INCHES\nRAPID\nGOTO/0,0,1\nFEDRAT/10,PERMIN\nGOTO/1,0,1\nFINI\n", true,
+           report);
   EXPECT_NE(text.find("F254.0000"), std::string::npos) << text;
 }
 
@@ -169,16 +173,17 @@ TEST(EmitGcode, EveryAxisIsNamedAfterAToolChange) {
   for (const char* change : {"LOADTL/2", "LOAD/TOOL,2", "TURRET/2"}) {
     GcodeReport report;
     const std::string text =
-        emit(plan_of(kThreeAxes), "UNITS/MM\nFEDRAT/100,MMPM\n" + hole + change + "\n" + hole + "FINI\n", true, report);
+        emit(plan_of(kThreeAxes), "UNITS/MM\nFEDRAT/100,MMPM\n" + hole + change + "\n" + hole + "FINI\n",
+             true, report);
     EXPECT_NE(text.find("T2 M6\nG0 X10.0000 Y20.0000 Z50.0000\nG1 Z-5.0000"), std::string::npos) << text;
   }
 }
 
 TEST(EmitGcode, EveryAxisIsNamedAfterFrom) {
   GcodeReport report;
-  const std::string text = emit(plan_of(kThreeAxes),
-                                "UNITS/MM\nFEDRAT/100,MMPM\nRAPID\nGOTO/5,0,50\nFROM/0,0,50\nGOTO/5,0,50\nFINI\n",
-                                true, report);
+  const std::string text =
+      emit(plan_of(kThreeAxes),
+           "UNITS/MM\nFEDRAT/100,MMPM\nRAPID\nGOTO/5,0,50\nFROM/0,0,50\nGOTO/5,0,50\nFINI\n", true, report);
   EXPECT_NE(text.find("G1 X5.0000 Y0.0000 Z50.0000 F100.0000\n"), std::string::npos) << text;
 }
 

@@ -281,7 +281,8 @@ bool Interpreter::cycle(const Record& record, Findings& findings) {
       continue;
     }
     const double reach = std::abs(item.value) * frame_.unit;
-    if (one_of(tag, {"MMPM", "MMPR", "IPM", "IPR", "PERMIN", "PERREV"}) && cycle_feed_) cycle_feed_->value = item.value;
+    if (one_of(tag, {"MMPM", "MMPR", "IPM", "IPR", "PERMIN", "PERREV"}) && cycle_feed_)
+      cycle_feed_->value = item.value;
     if (tag == type || one_of(tag, {"FEDTO", "DEPTH", "CSINK", "THRU"}))
       below_ = std::max(below_, reach);
     else if (one_of(tag, {"RAPTO", "CLEAR"}))

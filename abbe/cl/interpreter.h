@@ -71,7 +71,7 @@ class Interpreter {
   [[nodiscard]] double cutter_diameter() const { return cutter_diameter_; }  ///< mm, 0 = unknown
   [[nodiscard]] bool multax() const { return multax_.value_or(false); }
   [[nodiscard]] bool cutter_compensated() const { return cutcom_; }
-  [[nodiscard]] const std::string& cycle_kind() const { return cycle_kind_; }  ///< DRILL, ..
+  [[nodiscard]] const std::string& cycle_kind() const { return cycle_kind_; }          ///< DRILL, ..
   [[nodiscard]] const std::optional<Feed>& cycle_feed() const { return cycle_feed_; }  ///< nothing: FEDRAT's
   /// The first word of the cycle that is neither its depth, its clearance nor its feed; "": none.
   [[nodiscard]] const std::string& cycle_extra() const { return cycle_extra_; }

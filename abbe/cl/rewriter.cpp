@@ -223,7 +223,8 @@ bool Rewriter::solve(const Record& record, NumberEdit& edit, const Vec3& from, N
   const Motion& motion = interpreter_.motion();
   const Frame& frame = interpreter_.frame();
   write_axis(record, edit, node);
-  const bool closed = last_ && motion.kind == MotionKind::arc && node.s == 1 && motion.end.tip == motion.start.tip;
+  const bool closed =
+      last_ && motion.kind == MotionKind::arc && node.s == 1 && motion.end.tip == motion.start.tip;
   PoseField::Answer answer = field_.corrected_tip(
       node.place, node.written.axis, closed ? last_->written.tip : Vec3(node.place.pose.tip + correction_));
   if (!refuse(record, answer.trouble, node.place.pose, answer.axis)) return false;

@@ -292,7 +292,8 @@ bool Comparison::direction_agrees(const Step& original, const Step& piece, const
     disagree("V-AXIS", original, &piece, "the tool axis changed, and may not");
     return false;
   }
-  // A record without an axis takes the one before, which was corrected for another place: both errors may add.
+  // A record without an axis takes the one before, which was corrected for another place: both errors may
+  // add.
   const bool own = original.axis_stated && !original.circle;
   const double allowed = before + (own ? 0 : worst_turn_) + kAxisSlack;
   if (after <= allowed) return true;
@@ -304,7 +305,8 @@ bool Comparison::direction_agrees(const Step& original, const Step& piece, const
 
 bool Comparison::hole(const Step& original, const Step& piece, const Outcome& nominal) {
   for (const double reach : {original.up, -original.down}) {
-    const Outcome there = machine_.near(piece.end + reach * piece.end_axis, piece.end_axis, nominal.commands, nominal.side);
+    const Outcome there =
+        machine_.near(piece.end + reach * piece.end_axis, piece.end_axis, nominal.commands, nominal.side);
     const double off = (there.tip - (original.end + reach * original.end_axis)).norm();
     if (!fit_to_run(original, piece, there)) return false;
     ++report_.points;

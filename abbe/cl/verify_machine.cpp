@@ -92,8 +92,8 @@ Outcome ForwardMachine::along(const Vec3& tip, const Vec3& axis) {
   return act(solver_.pose(plan_, tool_, in_workpiece(tip), turn_ * axis), axis);
 }
 
-Outcome ForwardMachine::near(const Vec3& tip, const Vec3& axis,
-                             const std::array<double, kMaxAxes>& commands, int side) const {
+Outcome ForwardMachine::near(const Vec3& tip, const Vec3& axis, const std::array<double, kMaxAxes>& commands,
+                             int side) const {
   InverseOptions options;
   options.ideal = true;
   options.side = side;

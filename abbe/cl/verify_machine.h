@@ -13,7 +13,7 @@ struct Outcome {
   Vec3 tip = Vec3::Zero();    ///< of the real tool, datum taken off, mm
   Vec3 axis = Vec3::UnitZ();  ///< of the real tool, unit vector
   bool reachable = false, outside = false;
-  int side = 0;  ///< of the singularity, +1 or -1; 0: none
+  int side = 0;     ///< of the singularity, +1 or -1; 0: none
   int beyond = -1;  ///< axis past its travel
 };
 
@@ -27,7 +27,8 @@ class ForwardMachine {
   /// The next pose of the original: its branch follows the one before.
   [[nodiscard]] Outcome along(const Vec3& tip, const Vec3& axis);
   /// Any other pose, near known commands and on their side of the singularity (0: on any).
-  [[nodiscard]] Outcome near(const Vec3& tip, const Vec3& axis, const std::array<double, kMaxAxes>& commands, int side) const;
+  [[nodiscard]] Outcome near(const Vec3& tip, const Vec3& axis, const std::array<double, kMaxAxes>& commands,
+                             int side) const;
   [[nodiscard]] Vec3 in_workpiece(const Vec3& p) const { return turn_ * p + zero_; }
   [[nodiscard]] Vec3 vector_in_workpiece(const Vec3& v) const { return turn_ * v; }
   [[nodiscard]] const Vec3& removed() const { return removed_; }

@@ -39,8 +39,8 @@ Vec3 Arc::direction(double s) const {
 
 double Arc::length() const { return std::hypot(std::max(r0, r1) * std::abs(sweep), h1 - h0); }
 
-std::optional<Arc> arc_about(Plane plane, const Vec3& start, const Vec3& end, double centre_a, double centre_b,
-                             bool clockwise, int turns) {
+std::optional<Arc> arc_about(Plane plane, const Vec3& start, const Vec3& end, double centre_a,
+                             double centre_b, bool clockwise, int turns) {
   const auto [a, b, n] = plane_axes(plane);
   Arc arc;
   arc.plane = plane;
@@ -63,7 +63,8 @@ std::optional<Arc> arc_about(Plane plane, const Vec3& start, const Vec3& end, do
   return arc;
 }
 
-std::optional<Centre> centre_of_radius(Plane plane, const Vec3& start, const Vec3& end, double r, bool clockwise) {
+std::optional<Centre> centre_of_radius(Plane plane, const Vec3& start, const Vec3& end, double r,
+                                       bool clockwise) {
   const auto [a, b, n] = plane_axes(plane);
   static_cast<void>(n);
   const double da = end[a] - start[a], db = end[b] - start[b];
@@ -77,7 +78,8 @@ std::optional<Centre> centre_of_radius(Plane plane, const Vec3& start, const Vec
   return Centre{start[a] + da / 2 - side * h * db / chord, start[b] + db / 2 + side * h * da / chord};
 }
 
-Centre fit_centre(const Arc& nominal, const Vec3& start, const Vec3& end, std::span<const ArcTarget> targets) {
+Centre fit_centre(const Arc& nominal, const Vec3& start, const Vec3& end,
+                  std::span<const ArcTarget> targets) {
   const auto axes = plane_axes(nominal.plane);
   const int a = axes[0], b = axes[1];
   using Vec2 = Eigen::Vector2d;
@@ -98,8 +100,9 @@ Centre fit_centre(const Arc& nominal, const Vec3& start, const Vec3& end, std::s
     return Vec2(p[a] - nominal_point[a], p[b] - nominal_point[b]);
   };
   const Vec2 prior = (off(0, start) + off(1, end)) / 2;
-  // minimise sum_k ( [rho_k - lerp(rho0, rho1)] - [n_k - lerp(n0, n1)] . d )^2 + ( [rho0 - rho1] - [n0 - n1] . d )^2
-  //          + kRidge |x|^2                                                                                  (4)
+  // minimise sum_k ( [rho_k - lerp(rho0, rho1)] - [n_k - lerp(n0, n1)] . d )^2 + ( [rho0 - rho1] - [n0 - n1]
+  // . d )^2
+  //          + kRidge |x|^2 (4)
   Eigen::Matrix2d lhs = (n0 - n1) * (n0 - n1).transpose() + kRidge * Eigen::Matrix2d::Identity();
   Vec2 rhs = (n0 - n1) * (rho0 - rho1 - (n0 - n1).dot(prior));
   for (const auto& target : targets) {

@@ -11,7 +11,8 @@ namespace abbe {
 /// A circular, helical or spiral path as the control interpolates it, in program coordinates (mm):
 /// angle, radius and height go linearly with s.
 ///
-///   p(s) = c + r(s) (cos a(s), sin a(s)),  a = a0 + s sweep,  r = r0 + s (r1 - r0),  h = h0 + s (h1 - h0)   (3)
+///   p(s) = c + r(s) (cos a(s), sin a(s)),  a = a0 + s sweep,  r = r0 + s (r1 - r0),  h = h0 + s (h1 - h0)
+///   (3)
 ///
 /// sweep > 0 turns from the plane's first axis to its second (G3).
 struct Arc {
@@ -20,12 +21,12 @@ struct Arc {
   double r0 = 0, r1 = 0, a0 = 0, sweep = 0, h0 = 0, h1 = 0;
 
   [[nodiscard]] Vec3 at(double s) const;
-  [[nodiscard]] Vec3 direction(double s) const;       ///< unit tangent
-  [[nodiscard]] double length() const;                ///< about, mm
+  [[nodiscard]] Vec3 direction(double s) const;  ///< unit tangent
+  [[nodiscard]] double length() const;           ///< about, mm
 };
 
-/// The arc from start to end about a centre. `turns` >= 1; a start equal to the end (in the plane) is a full circle.
-/// errors   nullopt: a radius is zero
+/// The arc from start to end about a centre. `turns` >= 1; a start equal to the end (in the plane) is a full
+/// circle. errors   nullopt: a radius is zero
 [[nodiscard]] std::optional<Arc> arc_about(Plane plane, const Vec3& start, const Vec3& end, double centre_a,
                                            double centre_b, bool clockwise, int turns);
 
@@ -34,8 +35,8 @@ struct Arc {
 struct Centre {
   double a = 0, b = 0;
 };
-[[nodiscard]] std::optional<Centre> centre_of_radius(Plane plane, const Vec3& start, const Vec3& end, double r,
-                                                     bool clockwise);
+[[nodiscard]] std::optional<Centre> centre_of_radius(Plane plane, const Vec3& start, const Vec3& end,
+                                                     double r, bool clockwise);
 
 /// A place the output should pass: parameter s of the piece (0..1) and the point, program coordinates.
 struct ArcTarget {
@@ -46,7 +47,8 @@ struct ArcTarget {
 /// The centre with which the arc from `start` to `end` passes closest to the targets with equal radii at
 /// both ends, starting from the nominal piece's centre: linear least squares of the radial residuals.
 /// source docs/theory/compensation.md, arcs
-[[nodiscard]] Centre fit_centre(const Arc& nominal, const Vec3& start, const Vec3& end, std::span<const ArcTarget> targets);
+[[nodiscard]] Centre fit_centre(const Arc& nominal, const Vec3& start, const Vec3& end,
+                                std::span<const ArcTarget> targets);
 
 /// Largest distance of the targets from the arc, measured across it.
 [[nodiscard]] double distance_to(const Arc& arc, std::span<const ArcTarget> targets);

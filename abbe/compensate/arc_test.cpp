@@ -21,7 +21,8 @@ TEST(Arc, PassesThroughItsEndsInEveryPlane) {
     const Plane plane = static_cast<Plane>(k % 3);
     const auto [a, b, n] = plane_axes(plane);
     Vec3 start, end;
-    const double ca = coordinate(rng), cb = coordinate(rng), r = 1 + std::abs(coordinate(rng)), t0 = angle(rng), t1 = angle(rng);
+    const double ca = coordinate(rng), cb = coordinate(rng), r = 1 + std::abs(coordinate(rng)),
+                 t0 = angle(rng), t1 = angle(rng);
     start[a] = ca + r * std::cos(t0), start[b] = cb + r * std::sin(t0), start[n] = coordinate(rng);
     end[a] = ca + r * std::cos(t1), end[b] = cb + r * std::sin(t1), end[n] = coordinate(rng);
     const bool clockwise = rng() % 2 == 0;
@@ -65,7 +66,8 @@ TEST(FitCentre, FollowsAShiftedAndGrownArc) {
   std::uniform_real_distribution<double> shift(-0.05, 0.05), sweep(0.3, 6.0), first(0, 6.28);
   for (int k = 0; k < 200; ++k) {
     Arc nominal;
-    nominal.centre_a = 3, nominal.centre_b = -4, nominal.r0 = nominal.r1 = 25, nominal.a0 = first(rng), nominal.sweep = sweep(rng);
+    nominal.centre_a = 3, nominal.centre_b = -4, nominal.r0 = nominal.r1 = 25, nominal.a0 = first(rng),
+    nominal.sweep = sweep(rng);
     Arc moved = nominal;
     moved.centre_a += shift(rng), moved.centre_b += shift(rng);
     const double growth = shift(rng);

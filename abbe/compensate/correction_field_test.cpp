@@ -47,11 +47,13 @@ class LookAhead : public ::testing::Test {
   }
 };
 
-// Steps that were begun together end where single ones do, in whatever order they are asked for; and the answer is
-// the correction, not only the same.
+// Steps that were begun together end where single ones do, in whatever order they are asked for; and the
+// answer is the correction, not only the same.
 TEST_F(LookAhead, AnswersAreTheCorrectionWhateverWasLookedAt) {
   std::mt19937 random(5);
-  const auto number = [&](double lo, double hi) { return std::uniform_real_distribution<double>(lo, hi)(random); };
+  const auto number = [&](double lo, double hi) {
+    return std::uniform_real_distribution<double>(lo, hi)(random);
+  };
   Vec3 m(400, 100, -50);
   double largest = 0;
   for (int round = 0; round < 2000; ++round) {

@@ -28,7 +28,8 @@ RewriteJob job_for(const char* dialect) {
 }
 
 /// With what the control leaves open stated.
-RewriteJob job_for(const char* dialect, Profile::IntegerWords words, Profile::Units units = Profile::Units::metric) {
+RewriteJob job_for(const char* dialect, Profile::IntegerWords words,
+                   Profile::Units units = Profile::Units::metric) {
   RewriteJob job = job_for(dialect);
   Profile profile = *job.setup.profile;
   profile.numbers.integer_words = words;
@@ -37,7 +38,9 @@ RewriteJob job_for(const char* dialect, Profile::IntegerWords words, Profile::Un
   return job;
 }
 
-std::string body(const std::string& program, const char* dialect) { return rewrite(scaled_machine(), program, job_for(dialect)).text; }
+std::string body(const std::string& program, const char* dialect) {
+  return rewrite(scaled_machine(), program, job_for(dialect)).text;
+}
 
 TEST(Dialects, WordsHaveTheDigitsOfTheControl) {
   EXPECT_EQ(body("G21 G90 G0 X100. Y0. Z0.\nM30\n", "fanuc"), "G21 G90 G0 X99.995 Y0. Z0.\nM30\n");
@@ -50,30 +53,42 @@ TEST(Dialects, ANumberWithoutAPointIsNotGuessed) {
   const auto refused = rewrite(scaled_machine(), program, job_for("fanuc"));
   EXPECT_TRUE(refused.has("E-DECIMAL")) << refused.findings();
   EXPECT_THAT(refused.findings(), HasSubstr("part.ngc:1:12"));
-  EXPECT_EQ(rewrite(scaled_machine(), program, job_for("fanuc", Profile::IntegerWords::units)).text, "G21 G90 G0 X99.995 Y0 Z0\nM30\n");
-  // 100 increments are 0.1 mm: nothing to correct; 100000 are 100 mm
-  EXPECT_EQ(rewrite(scaled_machine(), program, job_for("fanuc", Profile::IntegerWords::increments)).text, program);
-  EXPECT_EQ(rewrite(scaled_machine(), "G21 G90 G0 X100000 Y0 Z0\nM30\n", job_for("fanuc", Profile::IntegerWords::increments)).text,
+  EXPECT_EQ(rewrite(scaled_machine(), program, job_for("fanuc", Profile::IntegerWords::units)).text,
             "G21 G90 G0 X99.995 Y0 Z0\nM30\n");
-  EXPECT_EQ(rewrite(scaled_machine(), "G20 G90 G0 X40000 Y0 Z0\nM30\n", job_for("fanuc", Profile::IntegerWords::increments)).text,
+  // 100 increments are 0.1 mm: nothing to correct; 100000 are 100 mm
+  EXPECT_EQ(rewrite(scaled_machine(), program, job_for("fanuc", Profile::IntegerWords::increments)).text,
+            program);
+  EXPECT_EQ(rewrite(scaled_machine(), "G21 G90 G0 X100000 Y0 Z0\nM30\n",
+                    job_for("fanuc", Profile::IntegerWords::increments))
+                .text,
+            "G21 G90 G0 X99.995 Y0 Z0\nM30\n");
+  EXPECT_EQ(rewrite(scaled_machine(), "G20 G90 G0 X40000 Y0 Z0\nM30\n",
+                    job_for("fanuc", Profile::IntegerWords::increments))
+                .text,
             "G20 G90 G0 X3.9998 Y0 Z0\nM30\n");
 }
 
 TEST(Dialects, CountersAndZerosNeedNoPoint) {
-  const auto result = rewrite(scaled_machine(), "G21 G90 G0 X0 Y0 Z5.\nG91 G81 X1. Z-2. R-1. K3 F100\nG80\nM30\n", job_for("fanuc"));
+  const auto result = rewrite(
+      scaled_machine(), "G21 G90 G0 X0 Y0 Z5.\nG91 G81 X1. Z-2. R-1. K3 F100\nG80\nM30\n", job_for("fanuc"));
   EXPECT_TRUE(result.report.complete) << result.findings();
 }
 
 TEST(Dialects, HolesInIncrementsKeepTheirLevels) {
   // Z goes 1 um too far per mm of X: R and Z follow the correction in both modes.
   const Machine leaning = three_axes({{"EZX", poly(0, {0, 1e-4})}});
-  const auto result = rewrite(leaning, "G21 G90 G0 X0 Y0 Z10.\nG98 G81 X0. Z-5. R2. F100\nG91 X20. K1\nG90 X40.\nG80\nM30\n", job_for("fanuc"));
+  const auto result =
+      rewrite(leaning, "G21 G90 G0 X0 Y0 Z10.\nG98 G81 X0. Z-5. R2. F100\nG91 X20. K1\nG90 X40.\nG80\nM30\n",
+              job_for("fanuc"));
   ASSERT_TRUE(result.report.complete) << result.findings();
   EXPECT_THAT(result.text, HasSubstr("G91 X20. K1 R-8.002 Z-7.000\n")) << result.text;
   EXPECT_THAT(result.text, HasSubstr("G90 X40. R1.996 Z-5.004\n")) << result.text;
   // LinuxCNC reads the numbers anew: R2 above the height before
-  EXPECT_TRUE(rewrite(leaning, "G0 X0 Y0 Z10\nG98 G81 X0 Z-5 R2 F100\nG91 X20 L1\nG80\nM2\n").report.complete);
-  EXPECT_TRUE(rewrite(leaning, "G0 X0 Y0 Z10\nG98 G81 X0 Z-5 R2 F100\nG91 X20 L1\nG80\nM2\n", job_for("grblhal")).has("E-CYCLE"));
+  EXPECT_TRUE(
+      rewrite(leaning, "G0 X0 Y0 Z10\nG98 G81 X0 Z-5 R2 F100\nG91 X20 L1\nG80\nM2\n").report.complete);
+  EXPECT_TRUE(
+      rewrite(leaning, "G0 X0 Y0 Z10\nG98 G81 X0 Z-5 R2 F100\nG91 X20 L1\nG80\nM2\n", job_for("grblhal"))
+          .has("E-CYCLE"));
 }
 
 TEST(Dialects, WhatTheControlDoesNotResolveIsRefused) {
@@ -102,52 +117,69 @@ TEST(Dialects, CodesAfterTheMotionStandOnTheLastPiece) {
   EXPECT_THAT(split.text.substr(first, end - first), Not(HasSubstr("G9")));
   EXPECT_THAT(split.text.substr(first, end - first), HasSubstr("M3"));
   const std::size_t last = split.text.rfind("/2");
-  EXPECT_THAT(split.text.substr(last, split.text.find('\n', last) - last), ::testing::AllOf(HasSubstr("M9"), HasSubstr("G9")));
+  EXPECT_THAT(split.text.substr(last, split.text.find('\n', last) - last),
+              ::testing::AllOf(HasSubstr("M9"), HasSubstr("G9")));
 }
 
 TEST(Dialects, LinesStayWithinTheControlsBuffer) {
   const std::string comment(40, 'C');
   const std::string line = "G1 X100. Y0. Z0. F1000 (" + comment + ")";  // 65 bytes
   EXPECT_TRUE(rewrite(scaled_machine(), "G0 X0 Y0 Z0\n" + line + "\nM30\n", job_for("grbl")).report.complete);
-  const std::string full = "G1 X100 Y0 Z0 F1000 (" + std::string(56, 'C') + ")";  // 78 bytes, two more for the digits
+  const std::string full =
+      "G1 X100 Y0 Z0 F1000 (" + std::string(56, 'C') + ")";  // 78 bytes, two more for the digits
   const auto refused = rewrite(scaled_machine(), "G0 X0 Y0 Z0\n" + full + "\nM30\n", job_for("grbl"));
   EXPECT_TRUE(refused.has("E-LINELEN")) << refused.text;
-  EXPECT_TRUE(rewrite(scaled_machine(), "G0 X0 Y0 Z0\n" + full + "\nM30\n", job_for("grblhal")).report.complete);
+  EXPECT_TRUE(
+      rewrite(scaled_machine(), "G0 X0 Y0 Z0\n" + full + "\nM30\n", job_for("grblhal")).report.complete);
 }
 
 TEST(Dialects, FurtherWorkOffsetsAreFollowed) {
   RewriteJob job = job_for("fanuc");
   job.setup.further_offsets[3] = WorkOffset{{100, 0, 0}, 0};
-  EXPECT_EQ(rewrite(scaled_machine(), "G21 G90 G54.1 P3 G0 X100. Y0 Z0\nM30\n", job).text, "G21 G90 G54.1 P3 G0 X99.990 Y0 Z0\nM30\n");
+  EXPECT_EQ(rewrite(scaled_machine(), "G21 G90 G54.1 P3 G0 X100. Y0 Z0\nM30\n", job).text,
+            "G21 G90 G54.1 P3 G0 X99.990 Y0 Z0\nM30\n");
   EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G54.1 P4 G0 X100. Y0 Z0\nM30\n", job).has("E-WCS"));
   EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G54.1 P301 G0 X100. Y0 Z0\nM30\n", job).has("E-WCS"));
   EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G54.1 G0 X100. Y0 Z0\nM30\n", job).has("E-WCS"));
   job.setup.profile = embedded_profile("haas");
-  EXPECT_EQ(rewrite(scaled_machine(), "G21 G90 G154 P3 G0 X100. Y0 Z0\nM30\n", job).text, "G21 G90 G154 P3 G0 X99.990 Y0 Z0\nM30\n");
-  EXPECT_EQ(rewrite(scaled_machine(), "G21 G90 G112 G0 X100. Y0 Z0\nM30\n", job).text, "G21 G90 G112 G0 X99.990 Y0 Z0\nM30\n");
+  EXPECT_EQ(rewrite(scaled_machine(), "G21 G90 G154 P3 G0 X100. Y0 Z0\nM30\n", job).text,
+            "G21 G90 G154 P3 G0 X99.990 Y0 Z0\nM30\n");
+  EXPECT_EQ(rewrite(scaled_machine(), "G21 G90 G112 G0 X100. Y0 Z0\nM30\n", job).text,
+            "G21 G90 G112 G0 X99.990 Y0 Z0\nM30\n");
 }
 
 TEST(Dialects, WorkOffsetsSetByTheProgramAreFollowed) {
-  EXPECT_EQ(body("G21 G90 G10 L2 P1 X100. Y0 Z0\nG54 G0 X100. Y0 Z0\nM30\n", "fanuc"), "G21 G90 G10 L2 P1 X100. Y0 Z0\nG54 G0 X99.990 Y0 Z0\nM30\n");
+  EXPECT_EQ(body("G21 G90 G10 L2 P1 X100. Y0 Z0\nG54 G0 X100. Y0 Z0\nM30\n", "fanuc"),
+            "G21 G90 G10 L2 P1 X100. Y0 Z0\nG54 G0 X99.990 Y0 Z0\nM30\n");
   EXPECT_EQ(body("G21 G90 G10 L20 P2 X100. Y0 Z0\nG54.1 P2 G0 X100. Y0 Z0\nM30\n", "fanuc"),
             "G21 G90 G10 L20 P2 X100. Y0 Z0\nG54.1 P2 G0 X99.990 Y0 Z0\nM30\n");
-  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G10 L2 P0 X1. Y0 Z0\nM30\n", job_for("fanuc")).has("E-G10")) << "the external offset";
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G10 L2 P0 X1. Y0 Z0\nM30\n", job_for("fanuc")).has("E-G10"))
+      << "the external offset";
   EXPECT_TRUE(rewrite(scaled_machine(), "G90 G10 L2 P7 X1. Y0 Z0\nM30\n", job_for("grbl")).has("E-G10"));
 }
 
 TEST(Dialects, ARotationTurnsTheCorrectionBack) {
   // G68 R90 about the origin: program Y is machine -X, so the error of X is taken out of Y.
-  const std::string program = "G21 G90 G17 G0 X0 Y0 Z0\nG68 X0 Y0 R90.\nG0 X0 Y100.\nG1 X10. Y100. F500\nG69\nG0 X0 Y0\nM30\n";
-  EXPECT_EQ(body(program, "fanuc"), "G21 G90 G17 G0 X0 Y0 Z0\nG68 X0 Y0 R90.\nG0 X0 Y99.995\nG1 X10. Y99.995 F500\nG69\nG0 X0 Y0\nM30\n");
-  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G17 G0 X0 Y0 Z0\nG68 R90.\nM30\n", job_for("fanuc")).has("E-ROTATION"));
-  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G17 G0 X0 Y0 Z0\nG68 X0 Y0 R90.\nG1 X10. F50\nM30\n", job_for("fanuc")).has("E-POS"));
-  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G17 G0 X0 Y0 Z0\nG68 X0 Y0 R90.\nG55\nM30\n", job_for("fanuc")).has("E-ROTATION"));
+  const std::string program =
+      "G21 G90 G17 G0 X0 Y0 Z0\nG68 X0 Y0 R90.\nG0 X0 Y100.\nG1 X10. Y100. F500\nG69\nG0 X0 Y0\nM30\n";
+  EXPECT_EQ(
+      body(program, "fanuc"),
+      "G21 G90 G17 G0 X0 Y0 Z0\nG68 X0 Y0 R90.\nG0 X0 Y99.995\nG1 X10. Y99.995 F500\nG69\nG0 X0 Y0\nM30\n");
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G17 G0 X0 Y0 Z0\nG68 R90.\nM30\n", job_for("fanuc"))
+                  .has("E-ROTATION"));
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G17 G0 X0 Y0 Z0\nG68 X0 Y0 R90.\nG1 X10. F50\nM30\n",
+                      job_for("fanuc"))
+                  .has("E-POS"));
+  EXPECT_TRUE(
+      rewrite(scaled_machine(), "G21 G90 G17 G0 X0 Y0 Z0\nG68 X0 Y0 R90.\nG55\nM30\n", job_for("fanuc"))
+          .has("E-ROTATION"));
 }
 
 TEST(Dialects, ARotationTurnsAboutItsCentre) {
   // about (50, 0) by 180 degrees: program X100 is machine X0, program X0 machine X100
   const std::string program = "G21 G90 G17 G0 X0 Y0 Z0\nG68 X50. Y0 R180.\nG0 X100. Y0\nG0 X0 Y0\nM30\n";
-  EXPECT_EQ(body(program, "fanuc"), "G21 G90 G17 G0 X0 Y0 Z0\nG68 X50. Y0 R180.\nG0 X100. Y0\nG0 X0.005 Y0\nM30\n");
+  EXPECT_EQ(body(program, "fanuc"),
+            "G21 G90 G17 G0 X0 Y0 Z0\nG68 X50. Y0 R180.\nG0 X100. Y0\nG0 X0.005 Y0\nM30\n");
 }
 
 TEST(Dialects, AnOffsetThatMayMoveTheAxisLeavesItUnknown) {
@@ -155,29 +187,38 @@ TEST(Dialects, AnOffsetThatMayMoveTheAxisLeavesItUnknown) {
   EXPECT_TRUE(rewrite(scaled_machine(), known, job_for("fanuc")).report.complete);
   const std::string unknown = "G21 G90 G0 X0 Y0 Z50.\nG43 H1\nG1 X100. F500\nM30\n";
   EXPECT_TRUE(rewrite(scaled_machine(), unknown, job_for("fanuc")).has("E-POS"));
-  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G0 X0 Y0 Z50.\nG43 Z10.\nM30\n", job_for("fanuc")).has("E-TOOL")) << "H is missing";
+  EXPECT_TRUE(
+      rewrite(scaled_machine(), "G21 G90 G0 X0 Y0 Z50.\nG43 Z10.\nM30\n", job_for("fanuc")).has("E-TOOL"))
+      << "H is missing";
 }
 
 TEST(Dialects, AToolOffsetActsOnZOnly) {
   // Tool 2 has an offset of 7 mm in X, which this control does not apply.
-  EXPECT_EQ(body("G21 G90 G0 X100. Y0 Z50.\nG43 H2 Z10.\nM30\n", "fanuc"), "G21 G90 G0 X99.995 Y0 Z50.\nG43 H2 Z10.\nM30\n");
+  EXPECT_EQ(body("G21 G90 G0 X100. Y0 Z50.\nG43 H2 Z10.\nM30\n", "fanuc"),
+            "G21 G90 G0 X99.995 Y0 Z50.\nG43 H2 Z10.\nM30\n");
 }
 
 TEST(Dialects, AfterAReferenceReturnTheOffsetMustBeNamedAgain) {
   const std::string start = "G21 G90 G0 X0 Y0 Z50.\nG43 H1 Z10.\nG0 G91 G28 Z0\nG90 G0 X5. Y0\n";
   EXPECT_TRUE(rewrite(scaled_machine(), start + "Z5.\nM30\n", job_for("fanuc")).has("E-TOOL"));
-  EXPECT_TRUE(rewrite(scaled_machine(), start + "G43 H1 Z5.\nG1 X9. F50\nM30\n", job_for("fanuc")).report.complete);
-  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G0 X0 Y0 Z50.\nG28\nM30\n", job_for("fanuc")).has("E-BLOCK")) << "no axis";
+  EXPECT_TRUE(
+      rewrite(scaled_machine(), start + "G43 H1 Z5.\nG1 X9. F50\nM30\n", job_for("fanuc")).report.complete);
+  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G0 X0 Y0 Z50.\nG28\nM30\n", job_for("fanuc")).has("E-BLOCK"))
+      << "no axis";
 }
 
 TEST(Dialects, ADwellInXIsNoMotion) {
-  EXPECT_EQ(body("G21 G90 G0 X100. Y0 Z0\nG4 X1.5\nG1 X50. F100\nM30\n", "fanuc"), "G21 G90 G0 X99.995 Y0 Z0\nG4 X1.5\nG1 X49.998 F100\nM30\n");
-  EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G0 X1. Y0 Z0\nG4 X1. Y2.\nM30\n", job_for("fanuc")).has("E-WORD"));
+  EXPECT_EQ(body("G21 G90 G0 X100. Y0 Z0\nG4 X1.5\nG1 X50. F100\nM30\n", "fanuc"),
+            "G21 G90 G0 X99.995 Y0 Z0\nG4 X1.5\nG1 X49.998 F100\nM30\n");
+  EXPECT_TRUE(
+      rewrite(scaled_machine(), "G21 G90 G0 X1. Y0 Z0\nG4 X1. Y2.\nM30\n", job_for("fanuc")).has("E-WORD"));
 }
 
 TEST(Dialects, SmoothingIsCopiedAndReported) {
-  for (const auto& [dialect, code] : {std::pair{"fanuc", "G5.1 Q1"}, {"haas", "G187 P3 E0.01"}, {"fanuc", "G05 P10000"}}) {
-    const auto result = rewrite(scaled_machine(), std::string("G21 G90 G0 X0 Y0 Z0\n") + code + "\nM30\n", job_for(dialect));
+  for (const auto& [dialect, code] :
+       {std::pair{"fanuc", "G5.1 Q1"}, {"haas", "G187 P3 E0.01"}, {"fanuc", "G05 P10000"}}) {
+    const auto result =
+        rewrite(scaled_machine(), std::string("G21 G90 G0 X0 Y0 Z0\n") + code + "\nM30\n", job_for(dialect));
     EXPECT_TRUE(result.report.complete) << result.findings();
     EXPECT_TRUE(result.has("W-SMOOTH")) << code;
     EXPECT_THAT(result.text, HasSubstr(code));
@@ -202,7 +243,9 @@ struct Refused {
 class DialectRefuses : public ::testing::TestWithParam<Refused> {};
 
 TEST_P(DialectRefuses, WhatItDoesNotUnderstand) {
-  const auto result = rewrite(scaled_machine(), std::string("G21 G90 G0 X0. Y0. Z50.\n") + GetParam().line + "\nM30\n", job_for(GetParam().dialect));
+  const auto result =
+      rewrite(scaled_machine(), std::string("G21 G90 G0 X0. Y0. Z50.\n") + GetParam().line + "\nM30\n",
+              job_for(GetParam().dialect));
   EXPECT_FALSE(result.report.complete);
   EXPECT_TRUE(result.has(GetParam().code)) << result.findings();
   EXPECT_THAT(result.findings(), HasSubstr("part.ngc:2:"));
@@ -211,23 +254,31 @@ TEST_P(DialectRefuses, WhatItDoesNotUnderstand) {
 
 INSTANTIATE_TEST_SUITE_P(
     Codes, DialectRefuses,
-    ::testing::Values(Refused{"fanuc", "G41 D1", "E-CUTCOM"}, Refused{"fanuc", "G92 X0", "E-GCODE"}, Refused{"fanuc", "G51 X0 Y0 P1000", "E-FRAME"},
-                      Refused{"fanuc", "G51.1 X0", "E-FRAME"}, Refused{"fanuc", "G7.1 C10.", "E-FRAME"}, Refused{"fanuc", "G107 C10.", "E-FRAME"},
-                      Refused{"fanuc", "G12.1", "E-FRAME"}, Refused{"fanuc", "G112", "E-FRAME"}, Refused{"fanuc", "G16", "E-FRAME"},
-                      Refused{"fanuc", "G68.2 X0 Y0 Z0 I0 J30. K0", "E-FRAME"}, Refused{"fanuc", "G6.2 P3 K0 X0 Y0 Z0", "E-GCODE"},
-                      Refused{"fanuc", "G60 X10.", "E-GCODE"}, Refused{"fanuc", "G31 Z-5. F50", "E-GCODE"}, Refused{"fanuc", "G65 P9010", "E-GCODE"},
-                      Refused{"fanuc", "M98 P1000", "E-OWORD"}, Refused{"fanuc", "M99", "E-OWORD"}, Refused{"fanuc", "M77", "E-MCODE"},
-                      Refused{"fanuc", "G87 Z-5. R2. Q1. F50", "E-CYCLE"}, Refused{"fanuc", "G33 Z-5. F1.", "E-GCODE"}, Refused{"fanuc", "X#1", "E-EXPR"},
-                      Refused{"fanuc", "G2 X10. P2 I5.", "E-WORD"}, Refused{"fanuc", "G81 Z-5. R60. F50", "E-CYCLE"}, Refused{"fanuc", "G54.1 P1 G55", "E-BLOCK"},
-                      Refused{"fanuc", "G5 P10000 X1.", "E-BLOCK"}, Refused{"fanuc", "T1 M6 X5.", "E-AUX"}, Refused{"fanuc", "G18 G81 X5. Y-5. R2. F50", "E-CYCLE"},
-                      Refused{"haas", "G13 I10. F50 D1", "E-CYCLE"}, Refused{"haas", "G70 I10. J0 L4", "E-CYCLE"}, Refused{"haas", "G150 P1", "E-CYCLE"},
-                      Refused{"haas", "G101 X0", "E-FRAME"}, Refused{"haas", "G52 X1.", "E-GCODE"}, Refused{"haas", "M97 P10", "E-MCODE"},
-                      Refused{"haas", "G54.1 P1", "E-GCODE"}, Refused{"haas", "G5.1 Q1", "E-GCODE"}, Refused{"grbl", "G81 Z-5 R2 F50", "E-CYCLE"},
-                      Refused{"grbl", "G43 H1", "E-GCODE"}, Refused{"grbl", "G43.1 X1", "E-WORD"}, Refused{"grbl", "G90.1", "E-GCODE"},
-                      Refused{"grbl", "M6 T1", "E-MCODE"}, Refused{"grbl", "G64 P0.1", "E-GCODE"}, Refused{"grbl", "G2 X10 P2 I5", "E-WORD"},
-                      Refused{"grbl", "G38.2 Z-5 F50", "E-GCODE"}, Refused{"grbl", "G52 X1", "E-GCODE"}, Refused{"grbl", "G1 X5 A10 F50", "E-ROTARY"},
-                      Refused{"grbl", "G10 L2 P1 X1 R5", "E-WORD"}, Refused{"grbl", "G2 X10.1 Y0 I5 J0 F100", "E-ARC"},
-                      Refused{"grblhal", "G84 Z-5 R2 F50", "E-CYCLE"}, Refused{"iso", "G2 X10. R5. F50", "E-WORD"}));
+    ::testing::Values(
+        Refused{"fanuc", "G41 D1", "E-CUTCOM"}, Refused{"fanuc", "G92 X0", "E-GCODE"},
+        Refused{"fanuc", "G51 X0 Y0 P1000", "E-FRAME"}, Refused{"fanuc", "G51.1 X0", "E-FRAME"},
+        Refused{"fanuc", "G7.1 C10.", "E-FRAME"}, Refused{"fanuc", "G107 C10.", "E-FRAME"},
+        Refused{"fanuc", "G12.1", "E-FRAME"}, Refused{"fanuc", "G112", "E-FRAME"},
+        Refused{"fanuc", "G16", "E-FRAME"}, Refused{"fanuc", "G68.2 X0 Y0 Z0 I0 J30. K0", "E-FRAME"},
+        Refused{"fanuc", "G6.2 P3 K0 X0 Y0 Z0", "E-GCODE"}, Refused{"fanuc", "G60 X10.", "E-GCODE"},
+        Refused{"fanuc", "G31 Z-5. F50", "E-GCODE"}, Refused{"fanuc", "G65 P9010", "E-GCODE"},
+        Refused{"fanuc", "M98 P1000", "E-OWORD"}, Refused{"fanuc", "M99", "E-OWORD"},
+        Refused{"fanuc", "M77", "E-MCODE"}, Refused{"fanuc", "G87 Z-5. R2. Q1. F50", "E-CYCLE"},
+        Refused{"fanuc", "G33 Z-5. F1.", "E-GCODE"}, Refused{"fanuc", "X#1", "E-EXPR"},
+        Refused{"fanuc", "G2 X10. P2 I5.", "E-WORD"}, Refused{"fanuc", "G81 Z-5. R60. F50", "E-CYCLE"},
+        Refused{"fanuc", "G54.1 P1 G55", "E-BLOCK"}, Refused{"fanuc", "G5 P10000 X1.", "E-BLOCK"},
+        Refused{"fanuc", "T1 M6 X5.", "E-AUX"}, Refused{"fanuc", "G18 G81 X5. Y-5. R2. F50", "E-CYCLE"},
+        Refused{"haas", "G13 I10. F50 D1", "E-CYCLE"}, Refused{"haas", "G70 I10. J0 L4", "E-CYCLE"},
+        Refused{"haas", "G150 P1", "E-CYCLE"}, Refused{"haas", "G101 X0", "E-FRAME"},
+        Refused{"haas", "G52 X1.", "E-GCODE"}, Refused{"haas", "M97 P10", "E-MCODE"},
+        Refused{"haas", "G54.1 P1", "E-GCODE"}, Refused{"haas", "G5.1 Q1", "E-GCODE"},
+        Refused{"grbl", "G81 Z-5 R2 F50", "E-CYCLE"}, Refused{"grbl", "G43 H1", "E-GCODE"},
+        Refused{"grbl", "G43.1 X1", "E-WORD"}, Refused{"grbl", "G90.1", "E-GCODE"},
+        Refused{"grbl", "M6 T1", "E-MCODE"}, Refused{"grbl", "G64 P0.1", "E-GCODE"},
+        Refused{"grbl", "G2 X10 P2 I5", "E-WORD"}, Refused{"grbl", "G38.2 Z-5 F50", "E-GCODE"},
+        Refused{"grbl", "G52 X1", "E-GCODE"}, Refused{"grbl", "G1 X5 A10 F50", "E-ROTARY"},
+        Refused{"grbl", "G10 L2 P1 X1 R5", "E-WORD"}, Refused{"grbl", "G2 X10.1 Y0 I5 J0 F100", "E-ARC"},
+        Refused{"grblhal", "G84 Z-5 R2 F50", "E-CYCLE"}, Refused{"iso", "G2 X10. R5. F50", "E-WORD"}));
 
 RewriteJob siemens_job() {
   RewriteJob job = job_for("siemens");
@@ -235,11 +286,15 @@ RewriteJob siemens_job() {
   job.setup.further_offsets[5] = WorkOffset{{100, 0, 0}, 0};
   return job;
 }
-std::string siemens(const std::string& program) { return rewrite(scaled_machine(), program, siemens_job()).text; }
+std::string siemens(const std::string& program) {
+  return rewrite(scaled_machine(), program, siemens_job()).text;
+}
 
 TEST(Siemens, NumbersAreReplacedWhereTheyStand) {
-  EXPECT_EQ(siemens("G71 G90 D0\nG0 X = 100 Y=0 Z0 ; c\nM30\n"), "G71 G90 D0\nG0 X = 99.9950 Y=0 Z0 ; c\nM30\n");
-  EXPECT_EQ(siemens("G700 G90 D0\nG0 X=4 Y0 Z0\nM30\n"), "G700 G90 D0\nG0 X=3.99980 Y0 Z0\nM30\n") << "0.0002 inch are 5.08 um";
+  EXPECT_EQ(siemens("G71 G90 D0\nG0 X = 100 Y=0 Z0 ; c\nM30\n"),
+            "G71 G90 D0\nG0 X = 99.9950 Y=0 Z0 ; c\nM30\n");
+  EXPECT_EQ(siemens("G700 G90 D0\nG0 X=4 Y0 Z0\nM30\n"), "G700 G90 D0\nG0 X=3.99980 Y0 Z0\nM30\n")
+      << "0.0002 inch are 5.08 um";
 }
 
 TEST(Siemens, ARadiusWithANameIsKeptOrBecomesACentre) {
@@ -252,8 +307,9 @@ TEST(Siemens, ARadiusWithANameIsKeptOrBecomesACentre) {
 
 TEST(Siemens, FramesOfWordsAreFollowed) {
   // TRANS X100: program X0 is 100 mm, where X goes 5 um too far
-  EXPECT_EQ(siemens("G71 G90 D0\nG0 X0 Y0 Z0\nTRANS X100\nG0 X0\nATRANS X=100\nG0 X0\nTRANS\nG0 X0\nM30\n"),
-            "G71 G90 D0\nG0 X0 Y0 Z0\nTRANS X100\nG0 X-0.0050\nATRANS X=100\nG0 X-0.0100\nTRANS\nG0 X0\nM30\n");
+  EXPECT_EQ(
+      siemens("G71 G90 D0\nG0 X0 Y0 Z0\nTRANS X100\nG0 X0\nATRANS X=100\nG0 X0\nTRANS\nG0 X0\nM30\n"),
+      "G71 G90 D0\nG0 X0 Y0 Z0\nTRANS X100\nG0 X-0.0050\nATRANS X=100\nG0 X-0.0100\nTRANS\nG0 X0\nM30\n");
   // turned by 90 degrees about X100: program Y is machine -X from there
   EXPECT_EQ(siemens("G71 G90 D0\nG0 X0 Y0 Z0\nTRANS X100\nAROT RPL=90\nG0 X0 Y-100\nROT\nG0 X0 Y0\nM30\n"),
             "G71 G90 D0\nG0 X0 Y0 Z0\nTRANS X100\nAROT RPL=90\nG0 X0 Y-99.9900\nROT\nG0 X0 Y0\nM30\n");
@@ -265,36 +321,46 @@ TEST(Siemens, ToolsHaveNamesAndEdges) {
   const Machine leaning = three_axes({{"EXZ", poly(2, {0, 1e-4})}});
   const std::string program = "G71 G90\nT=\"MILL 10\"\nM6\nD1\nG0 X0 Y0 Z0\nM30\n";
   EXPECT_THAT(rewrite(leaning, program, siemens_job()).text, HasSubstr("G0 X-0.0080 Y0 Z0"));
-  EXPECT_TRUE(rewrite(leaning, "G71 G90\nT2 M6\nG0 X0 Y0 Z0\nM30\n", siemens_job()).has("E-TOOL")) << "D is missing";
+  EXPECT_TRUE(rewrite(leaning, "G71 G90\nT2 M6\nG0 X0 Y0 Z0\nM30\n", siemens_job()).has("E-TOOL"))
+      << "D is missing";
   EXPECT_TRUE(rewrite(leaning, "G71 G90\nT2 M6\nD2\nM30\n", siemens_job()).has("E-TOOL"));
-  EXPECT_TRUE(rewrite(leaning, "G71 G90\nT2 M6\nD1\nG18 G0 X0 Y0 Z0\nM30\n", siemens_job()).has("E-TOOL")) << "another axis";
+  EXPECT_TRUE(rewrite(leaning, "G71 G90\nT2 M6\nD1\nG18 G0 X0 Y0 Z0\nM30\n", siemens_job()).has("E-TOOL"))
+      << "another axis";
 }
 
 TEST(Siemens, MachineCoordinatesNeedNoOffset) {
-  EXPECT_EQ(siemens("G71 G90 T2 M6\nD1\nG0 X100 Y0 Z0\nG0 SUPA Z200 D0\nM30\n"), "G71 G90 T2 M6\nD1\nG0 X99.9950 Y0 Z0\nG0 SUPA Z200 D0\nM30\n");
-  EXPECT_TRUE(rewrite(scaled_machine(), "G71 G90 T2 M6\nD1\nG0 X100 Y0 Z0\nSUPA Z200\nM30\n", siemens_job()).has("E-G53"));
+  EXPECT_EQ(siemens("G71 G90 T2 M6\nD1\nG0 X100 Y0 Z0\nG0 SUPA Z200 D0\nM30\n"),
+            "G71 G90 T2 M6\nD1\nG0 X99.9950 Y0 Z0\nG0 SUPA Z200 D0\nM30\n");
+  EXPECT_TRUE(rewrite(scaled_machine(), "G71 G90 T2 M6\nD1\nG0 X100 Y0 Z0\nSUPA Z200\nM30\n", siemens_job())
+                  .has("E-G53"));
 }
 
 TEST(Siemens, ADwellInFIsNoFeed) {
   RewriteJob job = siemens_job();
-  const auto result = rewrite(scaled_machine(), "G71 G90 D0\nG0 X0 Y0 Z0\nG1 X10 F500\nG4 F2\nX20\nM30\n", job);
+  const auto result =
+      rewrite(scaled_machine(), "G71 G90 D0\nG0 X0 Y0 Z0\nG1 X10 F500\nG4 F2\nX20\nM30\n", job);
   EXPECT_TRUE(result.report.complete) << result.findings();
 }
 
 TEST(Subprograms, CalledOnceAreRewrittenWhereTheyStand) {
   const std::string start = "%\nO1 (MAIN)\nG21 G90 G0 X100. Y0. Z0.\n", end = "M30\nO2 (SUB)\n";
   // the subprogram begins at X100 in G91, and what follows the call begins where it ended
-  const std::string program = start + "M98 P2\nG90 G1 X100. F100\n" + end + "G91 G1 X100. F100\nY1.\nM99\n(behind)\n%\n";
+  const std::string program =
+      start + "M98 P2\nG90 G1 X100. F100\n" + end + "G91 G1 X100. F100\nY1.\nM99\n(behind)\n%\n";
   const auto result = rewrite(scaled_machine(), program, job_for("fanuc"));
   ASSERT_TRUE(result.report.complete) << result.findings();
-  EXPECT_EQ(result.text, "%\nO1 (MAIN)\nG21 G90 G0 X99.995 Y0. Z0.\nM98 P2\nG90 G1 X99.995 F100\n" + end + "G91 G1 X99.995 F100\nY1.\nM99\n(behind)\n%\n");
+  EXPECT_EQ(result.text, "%\nO1 (MAIN)\nG21 G90 G0 X99.995 Y0. Z0.\nM98 P2\nG90 G1 X99.995 F100\n" + end +
+                             "G91 G1 X99.995 F100\nY1.\nM99\n(behind)\n%\n");
   EXPECT_EQ(result.report.lines_out, result.report.lines_in);
 }
 
 TEST(Subprograms, OneMayCallAnother) {
-  const auto result = rewrite(scaled_machine(), "G21 G90 G0 X0. Y0. Z0.\nM98 P3\nM30\nO2\nG0 X200.\nM99\nO3\nG0 X100.\nM98 P2\nM99\n", job_for("fanuc"));
+  const auto result = rewrite(
+      scaled_machine(), "G21 G90 G0 X0. Y0. Z0.\nM98 P3\nM30\nO2\nG0 X200.\nM99\nO3\nG0 X100.\nM98 P2\nM99\n",
+      job_for("fanuc"));
   ASSERT_TRUE(result.report.complete) << result.findings();
-  EXPECT_EQ(result.text, "G21 G90 G0 X0. Y0. Z0.\nM98 P3\nM30\nO2\nG0 X199.990\nM99\nO3\nG0 X99.995\nM98 P2\nM99\n");
+  EXPECT_EQ(result.text,
+            "G21 G90 G0 X0. Y0. Z0.\nM98 P3\nM30\nO2\nG0 X199.990\nM99\nO3\nG0 X99.995\nM98 P2\nM99\n");
 }
 
 TEST(Subprograms, WhatIsNotSureIsRefused) {
@@ -304,9 +370,12 @@ TEST(Subprograms, WhatIsNotSureIsRefused) {
     return result.report.complete ? std::string() : result.report.diagnostics.front().code;
   };
   EXPECT_EQ(code_of("M98 P2\nM30\n" + sub), "");
-  for (const char* rest : {"M98 P2\nM98 P2\nM30\nO2\nX1.\nM99\n", "M98 P2 L2\nM30\nO2\nX1.\nM99\n", "M98 P20002\nM30\nO2\nX1.\nM99\n", "M98 P3\nM30\nO2\nX1.\nM99\n",
-                           "M98 P2 X1.\nM30\nO2\nX1.\nM99\n", "M98 P2\nM30\nO2\nX1.\n", "M98 P2\nM30\nO2\nX1.\nM30\nM99\n", "M98 P2\nM30\nO2 X1.\nM99\n", "M99\n",
-                           "M98 P2\nM30\nO2\nM99\nO2\nM99\n", "M98 P2\nM30\nO2\nM98 P2\nM99\n", "M98 P2\nM30\nO2\nM99 P10\n", "M98 P2 M30\nO2\nX1.\nM99\n"})
+  for (const char* rest :
+       {"M98 P2\nM98 P2\nM30\nO2\nX1.\nM99\n", "M98 P2 L2\nM30\nO2\nX1.\nM99\n",
+        "M98 P20002\nM30\nO2\nX1.\nM99\n", "M98 P3\nM30\nO2\nX1.\nM99\n", "M98 P2 X1.\nM30\nO2\nX1.\nM99\n",
+        "M98 P2\nM30\nO2\nX1.\n", "M98 P2\nM30\nO2\nX1.\nM30\nM99\n", "M98 P2\nM30\nO2 X1.\nM99\n", "M99\n",
+        "M98 P2\nM30\nO2\nM99\nO2\nM99\n", "M98 P2\nM30\nO2\nM98 P2\nM99\n", "M98 P2\nM30\nO2\nM99 P10\n",
+        "M98 P2 M30\nO2\nX1.\nM99\n"})
     EXPECT_THAT(code_of(rest), ::testing::AnyOf("E-OWORD", "E-WORD", "E-AUX")) << rest;
 }
 

@@ -19,7 +19,9 @@ void LineEdit::reset(const Block& block) {
   spaced_ = block.count < 2 || block.words[1].begin != block.words[0].end;
 }
 
-std::size_t LineEdit::index_of(const Word& word) const { return static_cast<std::size_t>(&word - block_->words.data()); }
+std::size_t LineEdit::index_of(const Word& word) const {
+  return static_cast<std::size_t>(&word - block_->words.data());
+}
 
 std::string& LineEdit::replace(const Word& word) {
   const std::size_t i = index_of(word);
@@ -57,7 +59,8 @@ void LineEdit::append_to(std::string& out) const {
     return;
   }
   // Room for all there is, then what was written: one growth of the string instead of one per word.
-  std::size_t room = text.size() + added_.size() + kFixedRoom * static_cast<std::size_t>(std::popcount(spelled_later_));
+  std::size_t room =
+      text.size() + added_.size() + kFixedRoom * static_cast<std::size_t>(std::popcount(spelled_later_));
   for (std::uint64_t left = replaced_ & ~spelled_later_; left != 0; left &= left - 1)
     room += numbers_[static_cast<std::size_t>(std::countr_zero(left))].size();
   const std::size_t begin = out.size();

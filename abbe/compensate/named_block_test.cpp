@@ -23,7 +23,8 @@ std::string words_of(const std::string& line) {
   std::string text;
   for (int i = 0; i < block.count; ++i) {
     const Word& word = block.words[static_cast<std::size_t>(i)];
-    text += std::string(i == 0 ? "" : " ") + word.letter + "|" + line.substr(word.begin, static_cast<std::size_t>(word.end - word.begin));
+    text += std::string(i == 0 ? "" : " ") + word.letter + "|" +
+            line.substr(word.begin, static_cast<std::size_t>(word.end - word.begin));
   }
   return text;
 }
@@ -52,9 +53,11 @@ TEST(NamedBlock, NumbersStandWhereTheyAreEdited) {
 }
 
 TEST(NamedBlock, WhatIsNotLiteralIsRefused) {
-  for (const char* line : {"X=R1", "X=10+R1", "X10*2", "R1=5", "_HOME=3", "X=AC(5)", "IF R1==5", "DEF REAL A", "GOTOF END", "X==5", "Z=_Z+5"})
+  for (const char* line : {"X=R1", "X=10+R1", "X10*2", "R1=5", "_HOME=3", "X=AC(5)", "IF R1==5", "DEF REAL A",
+                           "GOTOF END", "X==5", "Z=_Z+5"})
     EXPECT_EQ(words_of(line), "E-EXPR") << line;
-  for (const char* line : {"UNHEARD_OF", "MSG(\"open", "CYCLE800(1)", "SUPA(3)", "COMPON=3", "LIMS=S1"}) EXPECT_EQ(words_of(line), "E-GCODE") << line;
+  for (const char* line : {"UNHEARD_OF", "MSG(\"open", "CYCLE800(1)", "SUPA(3)", "COMPON=3", "LIMS=S1"})
+    EXPECT_EQ(words_of(line), "E-GCODE") << line;
   EXPECT_EQ(words_of("MCALL CYCLE81(1,2)"), "E-CYCLE");
   EXPECT_EQ(words_of("CALL \"SUB\""), "E-OWORD");
   EXPECT_EQ(words_of("(comment)"), "E-CHAR");
@@ -64,7 +67,9 @@ TEST(NamedBlock, WhatIsNotLiteralIsRefused) {
 
 // Any bytes: an answer, and words within the line.
 TEST(NamedBlock, AnyBytesAreReadOrRefused) {
-  const std::vector<std::string> lines = {"N10 G1X10.5Y-3 F250 ; c", "MSG(\"a;) \" ) G0 X=1", "T=\"DRILL 8.5\" M6 D1", "/3 FGREF[A]=10 LABEL: SUPA", "TRANS X1 Y=2 AROT RPL=30"};
+  const std::vector<std::string> lines = {"N10 G1X10.5Y-3 F250 ; c", "MSG(\"a;) \" ) G0 X=1",
+                                          "T=\"DRILL 8.5\" M6 D1", "/3 FGREF[A]=10 LABEL: SUPA",
+                                          "TRANS X1 Y=2 AROT RPL=30"};
   std::mt19937 random(7);
   Block block;
   for (int i = 0; i < 20000; ++i) {
@@ -72,9 +77,15 @@ TEST(NamedBlock, AnyBytesAreReadOrRefused) {
     for (unsigned k = 0; k < 1 + random() % 4; ++k) {
       const std::size_t at = random() % line.size();
       switch (random() % 3) {
-        case 0: line[at] = static_cast<char>(random() % 256); break;
-        case 1: line.erase(at, 1); break;
-        default: line.insert(at, 1, "()[]=\"/:;%_.+-X9"[random() % 16]); break;
+        case 0:
+          line[at] = static_cast<char>(random() % 256);
+          break;
+        case 1:
+          line.erase(at, 1);
+          break;
+        default:
+          line.insert(at, 1, "()[]=\"/:;%_.+-X9"[random() % 16]);
+          break;
       }
       if (line.empty()) line = " ";
     }

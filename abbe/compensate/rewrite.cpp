@@ -25,24 +25,29 @@ Diagnostic whole_file(const std::string& name, const char* code, std::string mes
 
 }  // namespace
 
-RewriteReport rewrite_program(const Plan& plan, const RewriteJob& job, SpoolFile& out, const Progress& progress) {
+RewriteReport rewrite_program(const Plan& plan, const RewriteJob& job, SpoolFile& out,
+                              const Progress& progress) {
   RewriteReport report;
   const AddressedAxes axes = addressed_axes(plan.machine());
   const auto missing = std::find(axes.linear.begin(), axes.linear.end(), -1);
   if (missing != axes.linear.end()) {
-    report.diagnostics.push_back(whole_file(job.name, "E-MACHINE", fmt::format("the machine has no linear axis with the address {}", "XYZ"[missing - axes.linear.begin()]),
+    report.diagnostics.push_back(whole_file(job.name, "E-MACHINE",
+                                            fmt::format("the machine has no linear axis with the address {}",
+                                                        "XYZ"[missing - axes.linear.begin()]),
                                             "describe X, Y and Z, or set `address` in the machine file"));
     return report;
   }
   for (const int axis : axes.linear) {
     if (plan.machine().axis(axis).correctable) continue;
-    report.diagnostics.push_back(whole_file(job.name, "E-MACHINE", fmt::format("axis {} is not correctable", plan.machine().axis(axis).name),
-                                            "a program is corrected by X, Y and Z together: allow it (`correctable`), or ask `abbe correct`"));
+    report.diagnostics.push_back(whole_file(
+        job.name, "E-MACHINE", fmt::format("axis {} is not correctable", plan.machine().axis(axis).name),
+        "a program is corrected by X, Y and Z together: allow it (`correctable`), or ask `abbe correct`"));
     return report;
   }
   auto opened = LineReader::open(job.path, false);
   if (auto* error = std::get_if<FileError>(&opened)) {
-    report.diagnostics.push_back(whole_file(job.name, "E-FILE", error->message, "check the path and the permissions"));
+    report.diagnostics.push_back(
+        whole_file(job.name, "E-FILE", error->message, "check the path and the permissions"));
     return report;
   }
   auto& reader = std::get<LineReader>(opened);
@@ -72,19 +77,23 @@ RewriteReport rewrite_program(const Plan& plan, const RewriteJob& job, SpoolFile
   report.lines_in = reader.line_number();
   report.bytes_in = reader.bytes_read();
   if (report.lines_in == 0) {
-    report.diagnostics.push_back(whole_file(job.name, "E-EMPTY", "the program is empty", "check that the right file is named"));
+    report.diagnostics.push_back(
+        whole_file(job.name, "E-EMPTY", "the program is empty", "check that the right file is named"));
     return report;
   }
   const bool refused = rewriter.findings().refused();
   report.diagnostics = rewriter.findings().take();
   if (reader.error()) {
-    report.diagnostics.push_back(whole_file(job.name, "E-FILE", reader.error()->message, "check the file and its medium"));
+    report.diagnostics.push_back(
+        whole_file(job.name, "E-FILE", reader.error()->message, "check the file and its medium"));
     return report;
   }
   if (refused) return report;
   if (written) written = out.write(text) && out.flush();
   if (!written) {
-    report.diagnostics.push_back(whole_file(job.name, "E-WRITE", out.error() ? out.error()->message : "the output cannot be written", "free space, or name another folder"));
+    report.diagnostics.push_back(
+        whole_file(job.name, "E-WRITE", out.error() ? out.error()->message : "the output cannot be written",
+                   "free space, or name another folder"));
     return report;
   }
   report.complete = true;

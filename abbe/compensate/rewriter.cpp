@@ -21,10 +21,21 @@ constexpr double kFineDigits = 0.2 * um;
 }  // namespace
 
 Rewriter::Rewriter(const Plan& plan, const AddressedAxes& axes, const RewriteJob& job, RewriteReport& report)
-    : job_(job), shared_profile_(profile_of(job.setup)), profile_(*shared_profile_), report_(report), machine_(plan.machine()),
-      field_(plan, axes, job.probed_datum), findings_(job.name), interpolation_(job.tolerance / 2),
-      angular_(machine_.has_angular_errors()), modal_(start_of(profile_)), in_(job.setup), out_(job.setup),
-      tcp_(machine_.control.tcp), axes_(axes), frame_reported_(static_cast<std::size_t>(in_.frames.count())) {
+    : job_(job),
+      shared_profile_(profile_of(job.setup)),
+      profile_(*shared_profile_),
+      report_(report),
+      machine_(plan.machine()),
+      field_(plan, axes, job.probed_datum),
+      findings_(job.name),
+      interpolation_(job.tolerance / 2),
+      angular_(machine_.has_angular_errors()),
+      modal_(start_of(profile_)),
+      in_(job.setup),
+      out_(job.setup),
+      tcp_(machine_.control.tcp),
+      axes_(axes),
+      frame_reported_(static_cast<std::size_t>(in_.frames.count())) {
   modal_.tcp_codes = machine_.control.codes;
   in_.turns = out_.turns = job.setup.start_turns;
   for (unsigned k = 0; k < 3; ++k) {
@@ -40,15 +51,16 @@ Rewriter::Rewriter(const Plan& plan, const AddressedAxes& axes, const RewriteJob
   change_tool(job.setup.loaded_tool);
 }
 
-void Rewriter::refuse(const Word& word, const char* code, std::string message, const char* why, const char* fix) {
-  findings_.add(Severity::error, code, number_, block_->text, word.begin, static_cast<std::size_t>(word.end - word.begin),
-                std::move(message), why, fix);
+void Rewriter::refuse(const Word& word, const char* code, std::string message, const char* why,
+                      const char* fix) {
+  findings_.add(Severity::error, code, number_, block_->text, word.begin,
+                static_cast<std::size_t>(word.end - word.begin), std::move(message), why, fix);
 }
 
 void Rewriter::refuse_block(const char* code, std::string message, const char* why, const char* fix) {
   const std::size_t begin = block_->count > 0 ? block_->words[0].begin : 0;
-  findings_.add(Severity::error, code, number_, block_->text, begin, std::max<std::size_t>(1, block_->words_end - begin),
-                std::move(message), why, fix);
+  findings_.add(Severity::error, code, number_, block_->text, begin,
+                std::max<std::size_t>(1, block_->words_end - begin), std::move(message), why, fix);
 }
 
 void Rewriter::warn(const char* code, std::string message, const char* why, const char* fix) {
@@ -62,13 +74,14 @@ int Rewriter::decimals_of(const Word* word) const {
 }
 
 double Rewriter::half_digit(int decimals) const {
-  static constexpr std::array<double, 10> kHalf = {0.5, 0.5e-1, 0.5e-2, 0.5e-3, 0.5e-4, 0.5e-5, 0.5e-6, 0.5e-7, 0.5e-8, 0.5e-9};
+  static constexpr std::array<double, 10> kHalf = {0.5,    0.5e-1, 0.5e-2, 0.5e-3, 0.5e-4,
+                                                   0.5e-5, 0.5e-6, 0.5e-7, 0.5e-8, 0.5e-9};
   // the last part keeps a tie from being written again and again
   return kHalf[static_cast<std::size_t>(std::min(decimals, 9))] * (1 + 1e-6);
 }
 
-/// How far words rounded to the control's increment may take an arc from its places: its ends and its centre are
-/// rounded. Finer digits are within the tolerance.
+/// How far words rounded to the control's increment may take an arc from its places: its ends and its centre
+/// are rounded. Finer digits are within the tolerance.
 double Rewriter::digit_room() const {
   const double half = half_digit(decimals_of(nullptr)) * modal_.unit();
   return half > kFineDigits ? 2 * std::numbers::sqrt2 * half : 0;
@@ -82,7 +95,9 @@ void Rewriter::end_line(std::string& out, std::size_t begin) {
 
 void Rewriter::check_length(std::size_t bytes) {
   if (bytes <= profile_.text.block_bytes) return;
-  refuse_block("E-LINELEN", fmt::format("the compensated block would have {} bytes, {} is the limit", bytes, profile_.text.block_bytes),
+  refuse_block("E-LINELEN",
+               fmt::format("the compensated block would have {} bytes, {} is the limit", bytes,
+                           profile_.text.block_bytes),
                "the control refuses longer lines", "shorten the comment, or break the block into two");
 }
 
@@ -126,7 +141,8 @@ std::optional<BlockError> Rewriter::read_line(std::string_view bytes, Block& blo
   return error;
 }
 
-void Rewriter::lines(std::span<const std::string_view> texts, std::uint64_t number, bool too_long, std::string& out) {
+void Rewriter::lines(std::span<const std::string_view> texts, std::uint64_t number, bool too_long,
+                     std::string& out) {
   // What a colon means depends on whether there was a block before.
   const std::size_t most = profile_.text.colon && !any_block_ ? 1 : kRows;
   if (texts.size() > most) {
@@ -181,18 +197,20 @@ void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::
   if (file_eol_.empty()) file_eol_ = std::string(eol_);
   if (ended_) return pass_behind_end(out);  // the control does not read on
   if (too_long || error) {
-    findings_.add(error.value_or(BlockError{"E-LINELEN", kMaxBlockBytes, 1, "the line is longer than 64 KiB",
-                                            "the control refuses such lines", "break the block into several"}),
-                  number_, block_->text);
+    findings_.add(
+        error.value_or(BlockError{"E-LINELEN", kMaxBlockBytes, 1, "the line is longer than 64 KiB",
+                                  "the control refuses such lines", "break the block into several"}),
+        number_, block_->text);
     return;
   }
   if (number_ <= kMarkLines && block_->text.find(kMark) != std::string_view::npos) {
     report_.compensated_input = true;
-    findings_.add(Severity::error, "E-COMPENSATED", number_, block_->text, block_->text.find(kMark), kMark.size(),
-                  "this program has been compensated already", "compensating twice doubles the correction",
-                  "use the original program");
+    findings_.add(Severity::error, "E-COMPENSATED", number_, block_->text, block_->text.find(kMark),
+                  kMark.size(), "this program has been compensated already",
+                  "compensating twice doubles the correction", "use the original program");
   }
-  const bool plain_text = block_->text.size() <= profile_.text.block_bytes && !block_->has_semicolon && !block_->percent && !block_->slash;
+  const bool plain_text = block_->text.size() <= profile_.text.block_bytes && !block_->has_semicolon &&
+                          !block_->percent && !block_->slash;
   if (!plain_text && !read_text_rules()) return;
   if (block_->percent) {
     if (!percent_seen_ && !any_block_) {
@@ -200,11 +218,13 @@ void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::
     } else if (percent_first_) {
       ended_ = true;
     } else {
-      refuse_block("E-CHAR", "'%' in a program that does not start with '%'", "the control stops reading here", "remove it");
+      refuse_block("E-CHAR", "'%' in a program that does not start with '%'",
+                   "the control stops reading here", "remove it");
     }
     return pass(out);
   }
-  const bool program_number = profile_.text.program_number && !any_block_ && block_->count == 1 && block_->words[0].letter == 'O' && !block_->slash;
+  const bool program_number = profile_.text.program_number && !any_block_ && block_->count == 1 &&
+                              block_->words[0].letter == 'O' && !block_->slash;
   if (!header_written_ && block_->count > 0 && !program_number) write_header(out);
   if (block_->count > 0) any_block_ = true;
   if (program_number) {
@@ -217,14 +237,16 @@ void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::
     if (job_.setup.block_delete == BlockDelete::on) return pass(out);
     if (job_.setup.block_delete == BlockDelete::unknown) {
       refuse_block("E-SKIP", "a block with '/' runs or not, as the operator's switch stands",
-                   "the corrections that follow depend on it", "state it: --block-delete on (skipped) or off (executed)");
+                   "the corrections that follow depend on it",
+                   "state it: --block-delete on (skipped) or off (executed)");
       return;
     }
   }
   if (!read_instruction(profile_, *block_, modal_, number_, findings_, instruction_)) return;
   if (instruction_.turns_axes && !turn_words_allowed()) return;
   execute(out);
-  if (instruction_.flow != 0) [[unlikely]] follow_flow();
+  if (instruction_.flow != 0) [[unlikely]]
+    follow_flow();
 }
 
 void Rewriter::execute(std::string& out) {
@@ -239,10 +261,12 @@ void Rewriter::execute(std::string& out) {
   bool done = false;
   if (instruction_.plain || (settings() && zero_group(out, done) && !done)) {
     if (!is_cycle(modal_.motion)) cycle_.code = -1;
-    const bool moves = instruction_.motion >= 0 && instruction_.motion != 800 &&
-                       (instruction_.moves_axes || is_arc(instruction_.motion) || (is_cycle(instruction_.motion)));
+    const bool moves =
+        instruction_.motion >= 0 && instruction_.motion != 800 &&
+        (instruction_.moves_axes || is_arc(instruction_.motion) || (is_cycle(instruction_.motion)));
     if (moves) {
-      const bool sure = modal_.stated && !offset_doubtful_ && instruction_.zero != 530 && !instruction_.tool_change;
+      const bool sure =
+          modal_.stated && !offset_doubtful_ && instruction_.zero != 530 && !instruction_.tool_change;
       if (!sure && !may_move()) return;
       ++report_.blocks.motion;
       motion(out);
@@ -256,7 +280,8 @@ void Rewriter::execute(std::string& out) {
   const bool smooths = instruction_.smooths || instruction_.path_control;
   if (smooths && !smoothing_said_ && smooths_more_than_tolerance()) {
     smoothing_said_ = true;
-    warn("W-SMOOTH", "the control's own smoothing is switched here: it is not modelled", "it may move the tool within its tolerance, after the correction",
+    warn("W-SMOOTH", "the control's own smoothing is switched here: it is not modelled",
+         "it may move the tool within its tolerance, after the correction",
          "set that tolerance well below the one of the compensation");
   }
   if (instruction_.ends) ended_ = true;
@@ -264,7 +289,8 @@ void Rewriter::execute(std::string& out) {
     BlockTrace trace;
     const int active = in_.frames.active();
     trace.frame = work_offset_label(active);
-    if (const auto& work = in_.frames.work_offset(active)) trace.frame_origin = Vec3(work->origin[0], work->origin[1], work->origin[2]);
+    if (const auto& work = in_.frames.work_offset(active))
+      trace.frame_origin = Vec3(work->origin[0], work->origin[1], work->origin[2]);
     trace.g92 = in_.frames.g92();
     trace.tool_offset = in_.frames.tool_offset();
     trace.datum = field_.datum();
@@ -283,7 +309,8 @@ void Rewriter::execute(std::string& out) {
 void Rewriter::finish(std::string& out) {
   if (!header_written_ && !job_.header.empty() && !findings_.refused()) write_header(out);
   if (!ended_ && any_block_) {
-    findings_.add(Severity::warning, "W-END", 0, "", 0, 1, "the program ends without M2, M30 or a closing '%'",
+    findings_.add(Severity::warning, "W-END", 0, "", 0, 1,
+                  "the program ends without M2, M30 or a closing '%'",
                   profile_.title + " runs it to here and then reports an error", "end it with M2");
   }
   if (!findings_.refused()) report_.sensitivity = sensitivity();

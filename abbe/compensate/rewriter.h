@@ -18,9 +18,9 @@
 #include "abbe/compensate/rewrite.h"
 #include "abbe/compensate/turn_word.h"
 #include "abbe/program/block.h"
-#include "abbe/program/program_findings.h"
 #include "abbe/program/frames.h"
 #include "abbe/program/modal.h"
+#include "abbe/program/program_findings.h"
 
 namespace abbe {
 
@@ -34,8 +34,8 @@ class Rewriter {
 
   /// Most lines of one call of lines().
   static constexpr std::size_t kRows = 8;
-  /// The next lines, with their end-of-line bytes; the first one has this number. Output lines are appended to
-  /// `out`. A line that was cut (`too_long`) comes alone.
+  /// The next lines, with their end-of-line bytes; the first one has this number. Output lines are appended
+  /// to `out`. A line that was cut (`too_long`) comes alone.
   void lines(std::span<const std::string_view> texts, std::uint64_t number, bool too_long, std::string& out);
   /// After the last line.
   void finish(std::string& out);
@@ -46,14 +46,14 @@ class Rewriter {
   struct Side {
     explicit Side(const ControlSetup& setup) : frames(setup) {}
     Frames frames;
-    Vec3 m = Vec3::Zero();          ///< point in machine coordinates, mm; meaningless for unknown axes
-    Turns turns{};                  ///< of A B C, rad, counted through whole turns
+    Vec3 m = Vec3::Zero();  ///< point in machine coordinates, mm; meaningless for unknown axes
+    Turns turns{};          ///< of A B C, rad, counted through whole turns
     Vec3 g92_saved = Vec3::Zero();
-    double cycle_level = 0;         ///< height before a series of cycles, program frame
+    double cycle_level = 0;  ///< height before a series of cycles, program frame
     [[nodiscard]] Vec3 p() const { return frames.to_program(m); }
   };
   struct Move {
-    Vec3 m0 = Vec3::Zero(), m1 = Vec3::Zero();  ///< of the original
+    Vec3 m0 = Vec3::Zero(), m1 = Vec3::Zero();   ///< of the original
     unsigned known0 = 0, known1 = 0, named = 0;  ///< bits 0 1 2 = X Y Z, 3 4 5 = A B C
     Turns turns0{}, turns1{};                    ///< of the original
     unsigned turning = 0;                        ///< rotary axes that move, bits 0 1 2 = A B C
@@ -61,9 +61,9 @@ class Rewriter {
   };
   /// A block of the output that does part of a straight move.
   struct Piece {
-    double s0 = 0, s1 = 1;     ///< of the original move
-    Vec3 want = Vec3::Zero();  ///< program coordinates of the output
-    Turns turns{};             ///< as their words say
+    double s0 = 0, s1 = 1;                 ///< of the original move
+    Vec3 want = Vec3::Zero();              ///< program coordinates of the output
+    Turns turns{};                         ///< as their words say
     std::array<double, 3> turn_numbers{};  ///< those words
   };
 
@@ -78,7 +78,8 @@ class Rewriter {
   [[nodiscard]] bool smooths_more_than_tolerance() const;
   void pass(std::string& out);
   void write_header(std::string& out);
-  [[gnu::cold]] void refuse(const Word& word, const char* code, std::string message, const char* why, const char* fix);
+  [[gnu::cold]] void refuse(const Word& word, const char* code, std::string message, const char* why,
+                            const char* fix);
   [[gnu::cold]] void refuse_block(const char* code, std::string message, const char* why, const char* fix);
   [[gnu::cold]] void warn(const char* code, std::string message, const char* why, const char* fix);
   void end_line(std::string& out, std::size_t begin);
@@ -117,7 +118,8 @@ class Rewriter {
   bool straight(const Move& move, std::string& out);
   void uncorrected(const Move& move, std::string& out);
   bool sample_line(const Move& move, const Vec3& end_correction, const std::array<signed char, 3>& approach);
-  std::optional<Vec3> correction_at(const Vec3& m, unsigned withheld, const std::array<signed char, 3>& approach);
+  std::optional<Vec3> correction_at(const Vec3& m, unsigned withheld,
+                                    const std::array<signed char, 3>& approach);
   bool feed_allowed(const Move& move);
   void note_correction(const Vec3& m, const Vec3& c);
   /// A number for a word: what stands there if that is right to half its last digit, else one to be rounded.
@@ -166,7 +168,8 @@ class Rewriter {
   void write_timed(const Move& move, const std::vector<Piece>& pieces, std::string& out);
 
   // rewriter_arc.cpp
-  /// The directions in which the axes have moved last, after they went `way` (machine axes); `known` axes only.
+  /// The directions in which the axes have moved last, after they went `way` (machine axes); `known` axes
+  /// only.
   void follow(const Vec3& way, unsigned known);
   /// A motion up to this length is too short for a block before it that takes up lost motion, mm.
   [[nodiscard]] double shortest_take_up() const;
@@ -184,9 +187,9 @@ class Rewriter {
   std::optional<Arc> nominal_arc(const Vec3& p0, const Vec3& p1);
   struct ArcPiece {
     double s0 = 0, s1 = 1;
-    Vec3 end = Vec3::Zero();   ///< wanted, output program coordinates
+    Vec3 end = Vec3::Zero();  ///< wanted, output program coordinates
     Centre centre;
-    bool first = true;         ///< written into the block of the original
+    bool first = true;  ///< written into the block of the original
     bool keeps_radius = false;
   };
   bool fit_piece(const Arc& nominal, double s0, double s1, const Vec3& start, bool whole, ArcPiece& piece);
@@ -198,7 +201,7 @@ class Rewriter {
   void cycle(std::string& out);
   /// The holes of one block, program coordinates, mm.
   struct Holes {
-    int a = 0, b = 1, n = 2;   ///< axes of the plane and of the holes
+    int a = 0, b = 1, n = 2;  ///< axes of the plane and of the holes
     int count = 1;
     double r = 0, z = 0;
     Vec3 first = Vec3::Zero(), step = Vec3::Zero();
@@ -222,8 +225,8 @@ class Rewriter {
   const Machine& machine_;
   CorrectionField field_;
   ProgramFindings findings_;
-  double interpolation_;          ///< mm
-  double short_enough_ = 0;       ///< mm: a move up to this length is not looked into
+  double interpolation_;     ///< mm
+  double short_enough_ = 0;  ///< mm: a move up to this length is not looked into
   bool angular_;
 
   std::array<Block, kRows> blocks_;  ///< of the lines read last
@@ -235,15 +238,15 @@ class Rewriter {
   std::string file_eol_;
   LineEdit edit_;
 
-  Side in_, out_;                 ///< the control of the original, of the output
+  Side in_, out_;                      ///< the control of the original, of the output
   unsigned known_ = 0, withheld_ = 0;  ///< bits 0 1 2 = X Y Z, 3 4 5 = A B C
   unsigned needed_ = 7;                ///< axes whose position the correction depends on
   unsigned turned_ = 0;                ///< rotary axes that the program has commanded, bits 0 1 2 = A B C
   bool tcp_ = false;
   double timed_feed_ = 0;  ///< 1/min: the block's time is stated by G93 in its output; 0: not
   AddressedAxes axes_;
-  bool start_corrected_ = false;  ///< the output stands where the correction wants it
-  std::optional<Vec3> last_correction_;  ///< at in_.m, for the current datum
+  bool start_corrected_ = false;           ///< the output stands where the correction wants it
+  std::optional<Vec3> last_correction_;    ///< at in_.m, for the current datum
   std::array<signed char, 3> approach_{};  ///< in which each axis moved last, -1 0 +1
   std::array<signed char, 3> stands_{};    ///< for which the output's place is corrected
   std::optional<int> selected_tool_, loaded_tool_;
@@ -254,7 +257,8 @@ class Rewriter {
   bool datum_dirty_ = true;
   std::vector<bool> frame_reported_;
 
-  bool percent_first_ = false, percent_seen_ = false, any_block_ = false, ended_ = false, header_written_ = false;
+  bool percent_first_ = false, percent_seen_ = false, any_block_ = false, ended_ = false,
+       header_written_ = false;
 
   struct Cycle {
     GCode code = -1;
@@ -289,7 +293,7 @@ class Rewriter {
   std::vector<ArcTarget> targets_;
   std::vector<Stretch> stretches_;
   std::vector<Piece> pieces_;
-  std::string move_text_;         ///< decision in words, for the trace
+  std::string move_text_;  ///< decision in words, for the trace
 };
 
 }  // namespace abbe

@@ -21,7 +21,8 @@ constexpr int kMostLooks = 400;
 constexpr int kMostPieces = 4096;
 // The output must turn as far as the original, rad: a rounded end on the wrong side would make a full turn.
 constexpr double kSweepSlack = 0.02;
-// A radius rounded to the last digit moves the centre by R / h: beyond this chord/2R it is written as a centre.
+// A radius rounded to the last digit moves the centre by R / h: beyond this chord/2R it is written as a
+// centre.
 constexpr double kLargestRadiusForm = 0.94;
 constexpr double kUnchanged = 1e-9;  // mm
 // Smaller components of a way are rounding, mm.
@@ -38,7 +39,8 @@ std::optional<Arc> Rewriter::nominal_arc(const Vec3& p0, const Vec3& p1) {
   const int a = plane_axes(modal_.plane)[0], b = plane_axes(modal_.plane)[1];
   const bool clockwise = instruction_.motion == 20;
   const Word* r = instruction_.find(*block_, 'R');
-  const std::array<const Word*, 3> centre_word = {instruction_.find(*block_, 'I'), instruction_.find(*block_, 'J'), instruction_.find(*block_, 'K')};
+  const std::array<const Word*, 3> centre_word = {
+      instruction_.find(*block_, 'I'), instruction_.find(*block_, 'J'), instruction_.find(*block_, 'K')};
   const Word* wa = centre_word[static_cast<std::size_t>(a)];
   const Word* wb = centre_word[static_cast<std::size_t>(b)];
   const double unit = modal_.unit();
@@ -48,24 +50,30 @@ std::optional<Arc> Rewriter::nominal_arc(const Vec3& p0, const Vec3& p1) {
   };
   for (int k = 0; k < 3; ++k) {
     if (k != a && k != b && centre_word[static_cast<std::size_t>(k)]) {
-      return bad(fmt::format("{} is not in the plane of this arc", "IJK"[k]), "the control refuses it", "check G17, G18, G19");
+      return bad(fmt::format("{} is not in the plane of this arc", "IJK"[k]), "the control refuses it",
+                 "check G17, G18, G19");
     }
   }
   int turns = 1;
   if (const Word* p = instruction_.find(*block_, 'P')) {
-    if (p->value < 1 || p->value != std::floor(p->value) || p->value > 1000) return bad("P of an arc is a number of turns, 1 to 1000", "the path is not defined", "correct P");
+    if (p->value < 1 || p->value != std::floor(p->value) || p->value > 1000)
+      return bad("P of an arc is a number of turns, 1 to 1000", "the path is not defined", "correct P");
     turns = static_cast<int>(p->value);
   }
   double ca = 0, cb = 0;
   if (r) {
     if (wa || wb) return bad("an arc with R and with I J K", "the control refuses it", "keep one form");
     const auto centre = centre_of_radius(modal_.plane, p0, p1, r->value * unit, clockwise);
-    if (!centre) return bad(fmt::format("no arc of radius {} joins the ends", r->value), "the path is not defined", "check R and the end point");
+    if (!centre)
+      return bad(fmt::format("no arc of radius {} joins the ends", r->value), "the path is not defined",
+                 "check R and the end point");
     ca = centre->a;
     cb = centre->b;
   } else {
-    if (!wa && !wb) return bad("an arc without I J K and without R", "the path is not defined", "add the centre");
-    if (modal_.absolute_centre && (!wa || !wb)) return bad("G90.1 needs both centre words", "the path is not defined", "add the missing one");
+    if (!wa && !wb)
+      return bad("an arc without I J K and without R", "the path is not defined", "add the centre");
+    if (modal_.absolute_centre && (!wa || !wb))
+      return bad("G90.1 needs both centre words", "the path is not defined", "add the missing one");
     ca = (wa ? wa->value * unit : 0.0) + (modal_.absolute_centre ? 0.0 : p0[a]);
     cb = (wb ? wb->value * unit : 0.0) + (modal_.absolute_centre ? 0.0 : p0[b]);
   }
@@ -73,8 +81,10 @@ std::optional<Arc> Rewriter::nominal_arc(const Vec3& p0, const Vec3& p1) {
   if (!arc) return bad("an arc of radius zero", "the path is not defined", "check the centre");
   const double difference = std::abs(arc->r1 - arc->r0);
   const Profile::Arcs& arcs = profile_.arcs;
-  if (difference > arcs.limit || (difference > arcs.tolerance && difference > arcs.relative * std::max(arc->r0, arc->r1))) {
-    return bad(fmt::format("the radius is {:.4f} mm at the start and {:.4f} mm at the end", arc->r0, arc->r1), "the control refuses it", "check the centre words");
+  if (difference > arcs.limit ||
+      (difference > arcs.tolerance && difference > arcs.relative * std::max(arc->r0, arc->r1))) {
+    return bad(fmt::format("the radius is {:.4f} mm at the start and {:.4f} mm at the end", arc->r0, arc->r1),
+               "the control refuses it", "check the centre words");
   }
   return arc;
 }
@@ -85,14 +95,17 @@ Vec3 Rewriter::rounded_end(const Vec3& want, const Vec3& p_out, bool first) cons
   for (int k = 0; k < 3; ++k) {
     double base = 0;
     const Value value = axis_value(k, want, p_out, first, base);
-    if (value.written) end[k] = base + rounded(value.number, decimals_of(axis_word(k))) * modal_.unit();
-    else if (first && axis_word(k)) end[k] = base + value.number * modal_.unit();
+    if (value.written)
+      end[k] = base + rounded(value.number, decimals_of(axis_word(k))) * modal_.unit();
+    else if (first && axis_word(k))
+      end[k] = base + value.number * modal_.unit();
   }
   return end;
 }
 
 // The value of a centre word; a G91.1 word that is absent is zero.
-Rewriter::Value Rewriter::centre_value(int k, double centre, const Vec3& start, bool first, double& base) const {
+Rewriter::Value Rewriter::centre_value(int k, double centre, const Vec3& start, bool first,
+                                       double& base) const {
   const Word* named = instruction_.find(*block_, "IJK"[k]);
   const Word* word = first ? named : nullptr;
   base = modal_.absolute_centre ? 0.0 : start[k];
@@ -101,10 +114,14 @@ Rewriter::Value Rewriter::centre_value(int k, double centre, const Vec3& start, 
   return value_for(wanted, word, 0.0, decimals_of(named));
 }
 
-bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& start, bool whole, ArcPiece& piece) {
+bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& start, bool whole,
+                         ArcPiece& piece) {
   const Arc part = piece_of(nominal, s0, s1);
   const int a = plane_axes(modal_.plane)[0], b = plane_axes(modal_.plane)[1];
-  const auto looks = std::clamp(static_cast<int>(std::ceil(std::max(std::abs(part.sweep) / kTurn * kLooksPerTurn, part.length() / kLookSpacing))), kFewestLooks, kMostLooks);
+  const auto looks = std::clamp(
+      static_cast<int>(
+          std::ceil(std::max(std::abs(part.sweep) / kTurn * kLooksPerTurn, part.length() / kLookSpacing))),
+      kFewestLooks, kMostLooks);
   targets_.clear();
   for (int k = 1; k <= looks; ++k) {
     const double s = static_cast<double>(k) / looks;
@@ -117,8 +134,11 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
   piece.s1 = s1;
   // A full circle ends exactly where it starts.
   const Vec3 nominal_start = part.at(0), nominal_end = part.at(1);
-  // Passing through the work offset leaves rounding: the control reads ends this close as one point, a full circle.
-  const auto same_place = [&](const Vec3& p, const Vec3& q) { return std::hypot(p[a] - q[a], p[b] - q[b]) < kUnchanged; };
+  // Passing through the work offset leaves rounding: the control reads ends this close as one point, a full
+  // circle.
+  const auto same_place = [&](const Vec3& p, const Vec3& q) {
+    return std::hypot(p[a] - q[a], p[b] - q[b]) < kUnchanged;
+  };
   const bool closed = same_place(nominal_start, nominal_end);
   piece.end = targets_.back().point;
   if (closed) {
@@ -127,15 +147,18 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
   }
   Vec3 end = rounded_end(piece.end, start, piece.first);
   if (!closed && same_place(start, end)) {
-    // The rounded end fell on the start, which would be a full circle: one last digit onwards along the chord.
-    const int along = std::abs(nominal_end[a] - nominal_start[a]) >= std::abs(nominal_end[b] - nominal_start[b]) ? a : b;
+    // The rounded end fell on the start, which would be a full circle: one last digit onwards along the
+    // chord.
+    const int along =
+        std::abs(nominal_end[a] - nominal_start[a]) >= std::abs(nominal_end[b] - nominal_start[b]) ? a : b;
     const double digit = 2 * half_digit(decimals_of(axis_word(along))) * modal_.unit();
     piece.end[along] = start[along] + (nominal_end[along] > nominal_start[along] ? digit : -digit);
     end = rounded_end(piece.end, start, piece.first);
   }
   if (closed != same_place(start, end)) return false;
   const bool clockwise = nominal.sweep < 0;
-  const int turns = whole ? std::max(1, static_cast<int>(std::ceil(std::abs(nominal.sweep) / kTurn - 1e-9))) : 1;
+  const int turns =
+      whole ? std::max(1, static_cast<int>(std::ceil(std::abs(nominal.sweep) / kTurn - 1e-9))) : 1;
   const Word* r = instruction_.find(*block_, 'R');
   const auto holds = [&](const Centre& centre) {
     const auto arc = arc_about(modal_.plane, start, end, centre.a, centre.b, clockwise, turns);
@@ -149,7 +172,8 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
     const double chord = std::hypot(end[a] - start[a], end[b] - start[b]);
     const auto centre = centre_of_radius(modal_.plane, start, end, r->value * modal_.unit(), clockwise);
     // Ends that did not change mean what they meant, however badly R says it.
-    const bool unchanged = (start - nominal_start).norm() < kUnchanged && (end - nominal_end).norm() < kUnchanged;
+    const bool unchanged =
+        (start - nominal_start).norm() < kUnchanged && (end - nominal_end).norm() < kUnchanged;
     const bool well_said = chord / (2 * std::abs(r->value * modal_.unit())) <= kLargestRadiusForm;
     if (centre && (unchanged || well_said) && holds(*centre)) {
       piece.keeps_radius = true;
@@ -179,7 +203,8 @@ void Rewriter::command_centre(const ArcPiece& piece, const Vec3& start, bool fir
     if (value.written) put("IJK"[k], first ? named : nullptr, value.number, decimals_of(named), first, extra);
   }
   // Both words zero would leave the block without a centre.
-  if (!modal_.absolute_centre && !first && extra->find_first_of("IJK") == std::string::npos) *extra += fmt::format(" {}0.0", "IJK"[a]);
+  if (!modal_.absolute_centre && !first && extra->find_first_of("IJK") == std::string::npos)
+    *extra += fmt::format(" {}0.0", "IJK"[a]);
 }
 
 double Rewriter::shortest_take_up() const { return job_.tolerance + kCoarsestDigit; }
@@ -209,7 +234,8 @@ bool Rewriter::read_stretches(const Arc& nominal) {
       double jump = 0;
       for (const double s : {s0, (s0 + s1) / 2, s1}) {
         const Vec3 at = in_.frames.to_machine(nominal.at(s));
-        const auto before = correction_at(at, withheld_, last.approach), after = correction_at(at, withheld_, approach_);
+        const auto before = correction_at(at, withheld_, last.approach),
+                   after = correction_at(at, withheld_, approach_);
         if (!before || !after) return false;
         jump = std::max(jump, (*after - *before).norm());
       }
@@ -226,13 +252,15 @@ bool Rewriter::read_stretches(const Arc& nominal) {
 
 // Where the output must go before the arc goes on at s: the place there with the direction of what follows.
 std::optional<Vec3> Rewriter::place_to_take_up(const Arc& nominal, double s, const Vec3& p_out) {
-  if (!job_.reversal || !field_.depends_on_direction() || nominal.length() <= shortest_take_up()) return std::nullopt;
+  if (!job_.reversal || !field_.depends_on_direction() || nominal.length() <= shortest_take_up())
+    return std::nullopt;
   if (s == 0 && !start_corrected_) return std::nullopt;
   const Vec3 m = in_.frames.to_machine(nominal.at(s));
   const auto c = correction_at(m, withheld_, approach_);
   if (!c || (m + *c - out_.frames.to_machine(p_out)).norm() <= interpolation_) return std::nullopt;
   if (modal_.feed_mode == 930) {
-    refuse_block("E-REVERSAL", "lost motion must be taken up in an inverse-time (G93) block", "the extra block would need a time of its own", "post with G94");
+    refuse_block("E-REVERSAL", "lost motion must be taken up in an inverse-time (G93) block",
+                 "the extra block would need a time of its own", "post with G94");
     return std::nullopt;
   }
   return out_.frames.to_program(m + *c);
@@ -260,7 +288,8 @@ void Rewriter::take_up_on_arc(const Vec3& want, bool first, Vec3& p_out, std::st
 bool Rewriter::arc(const Move& move, std::string& out) {
   if (!feed_allowed(move)) return false;  // knows its start, and so its end
   if (in_.frames.rotated() && (modal_.plane != Plane::xy || (withheld_ & 3u))) {
-    refuse_block("E-ROTATION", "an arc out of the XY plane in a rotated work offset", "it is not an arc of the machine's axes", "set the offset without rotation");
+    refuse_block("E-ROTATION", "an arc out of the XY plane in a rotated work offset",
+                 "it is not an arc of the machine's axes", "set the offset without rotation");
     return false;
   }
   const auto nominal = nominal_arc(in_.frames.to_program(move.m0), in_.frames.to_program(move.m1));
@@ -274,8 +303,10 @@ bool Rewriter::arc(const Move& move, std::string& out) {
     if (!full) return false;
     for (int k = 0; k < 3; ++k) {
       if (!(withheld_ & (1u << k)) || std::abs((*full)[k]) <= job_.tolerance) continue;
-      refuse_block("E-POS", fmt::format("an arc while {} stands where G53 put it, without its correction", "XYZ"[k]),
-                   "a word is not added to an axis that the program commanded in machine coordinates", "command the axis in the work offset first");
+      refuse_block("E-POS",
+                   fmt::format("an arc while {} stands where G53 put it, without its correction", "XYZ"[k]),
+                   "a word is not added to an axis that the program commanded in machine coordinates",
+                   "command the axis in the work offset first");
       return false;
     }
   }
@@ -312,8 +343,10 @@ bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
     const auto place = place_to_take_up(nominal, stretch.s0, p_out);
     bool straight = place.has_value();
     if ((place || stretch.s0 > 0) && std::min(nominal.r0, nominal.r1) < kTightArc * shortest_take_up()) {
-      refuse_block("E-REVERSAL", "an axis turns round on an arc that is too small to take up its lost motion", "nothing can be put between its parts",
-                   "leave the arc out, or leave --reversal away: the mean is compensated and the lost motion reported");
+      refuse_block("E-REVERSAL", "an axis turns round on an arc that is too small to take up its lost motion",
+                   "nothing can be put between its parts",
+                   "leave the arc out, or leave --reversal away: the mean is compensated and the lost motion "
+                   "reported");
       return false;
     }
     if (place) {
@@ -336,7 +369,9 @@ bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
         if (!fitted && findings_.refused()) return false;
       }
       if (!fitted) {
-        refuse_block("E-TOL", "no arcs follow the correction along this arc within the tolerance", "the correction bends too much, or the arc is too short for its digits", "post the arc as lines, or allow more with --tolerance-um");
+        refuse_block("E-TOL", "no arcs follow the correction along this arc within the tolerance",
+                     "the correction bends too much, or the arc is too short for its digits",
+                     "post the arc as lines, or allow more with --tolerance-um");
         return false;
       }
       const bool first = piece.first, last = piece.s1 >= 1;
@@ -373,9 +408,13 @@ bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
   if (edit_.changed()) ++report_.blocks.rewritten;
   if (number_ != job_.trace_line) return true;
   if (blocks > pieces) {
-    move_text_ = fmt::format("arc in {} arcs; {} short moves take up lost motion where an axis turns round", pieces, blocks - pieces);
+    move_text_ = fmt::format("arc in {} arcs; {} short moves take up lost motion where an axis turns round",
+                             pieces, blocks - pieces);
   } else {
-    move_text_ = pieces > 1 ? fmt::format("arc in {} arcs: the correction turns it into an ellipse or tilts it", pieces) : "arc: stays one arc";
+    move_text_ =
+        pieces > 1
+            ? fmt::format("arc in {} arcs: the correction turns it into an ellipse or tilts it", pieces)
+            : "arc: stays one arc";
   }
   return true;
 }

@@ -66,18 +66,23 @@ bool Rewriter::read_holes(Holes& holes) {
     cycle_.code = code;
   }
   if (cycle_.refused) return false;  // its first block was: one cause, one finding
-  cycle_.refused = true;  // until it has been understood
+  cycle_.refused = true;             // until it has been understood
   if (!keep_depth(holes.n)) return false;
   if (profile_.cycles.xy_only && modal_.plane != Plane::xy) {
-    return bad("a cycle outside the XY plane", "which axis it drills along depends on the control's parameters", "drill in G17");
+    return bad("a cycle outside the XY plane",
+               "which axis it drills along depends on the control's parameters", "drill in G17");
   }
   if ((code == 740 || code == 840) && modal_.plane != Plane::xy) {
-    return bad("tapping outside the XY plane", "LinuxCNC moves other axes than the program names", "tap in G17");
+    return bad("tapping outside the XY plane", "LinuxCNC moves other axes than the program names",
+               "tap in G17");
   }
-  if (!cycle_.has_r || !cycle_.has_z) return bad("the first block of a cycle needs R and the bottom", "the control refuses it", "add them");
+  if (!cycle_.has_r || !cycle_.has_z)
+    return bad("the first block of a cycle needs R and the bottom", "the control refuses it", "add them");
   if (known_ != needed_) {
-    refuse_block("E-POS", "a cycle while the position of an axis is not known", "the correction depends on all three axes",
-                 "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z..");
+    refuse_block("E-POS", "a cycle while the position of an axis is not known",
+                 "the correction depends on all three axes",
+                 "begin with rapid moves that name X, Y and Z, or give the machine's position with --start "
+                 "X..,Y..,Z..");
     return false;
   }
   if (!in_.frames.known()) {
@@ -85,20 +90,25 @@ bool Rewriter::read_holes(Holes& holes) {
     return read_move(unused);  // reports the missing work offset
   }
   if (in_.frames.rotated() && (modal_.plane != Plane::xy || (withheld_ & 3u))) {
-    refuse_block("E-ROTATION", "a cycle in a rotated work offset needs the XY plane", "it is not a motion of the machine's axes", "set the offset without rotation");
+    refuse_block("E-ROTATION", "a cycle in a rotated work offset needs the XY plane",
+                 "it is not a motion of the machine's axes", "set the offset without rotation");
     return false;
   }
   cycle_.refused = false;
   const double repeats = wl ? wl->value : 1;
-  if (repeats < 1 || repeats > 9999 || repeats != std::floor(repeats)) return bad("the repeats of a cycle are a number from 1 to 9999", "the holes are not defined", "correct the word");
+  if (repeats < 1 || repeats > 9999 || repeats != std::floor(repeats))
+    return bad("the repeats of a cycle are a number from 1 to 9999", "the holes are not defined",
+               "correct the word");
   holes.count = modal_.incremental ? static_cast<int>(repeats) : 1;
   const bool relative = modal_.incremental && !keeps_levels();
   holes.r = cycle_.r * unit + (relative ? in_.cycle_level : 0.0);
   holes.z = cycle_.z * unit + (relative ? holes.r : 0.0);
   if (!profile_.cycles.level_below_r && in_.cycle_level < holes.r) {
-    return bad("the cycle begins below its R level", "controls differ in where it ends then", "go above R before");
+    return bad("the cycle begins below its R level", "controls differ in where it ends then",
+               "go above R before");
   }
-  if (holes.z > holes.r) return bad("the bottom of the hole lies above R", "the control refuses it", "check Z and R");
+  if (holes.z > holes.r)
+    return bad("the bottom of the hole lies above R", "the control refuses it", "check Z and R");
   holes.first = p;
   for (const int k : {holes.a, holes.b}) {
     const Word* word = axis_word(k);
@@ -117,11 +127,13 @@ bool Rewriter::keep_depth(int n) {
   const bool same_mode = profile_.cycles.sticky == Profile::Sticky::same_mode;
   const bool begun = cycle_.has_r && cycle_.has_z;
   if (levels && begun && modal_.incremental && (wr == nullptr) != (wz == nullptr)) {
-    refuse_block("E-CYCLE", "R or the bottom alone in G91", "whether the other one moves with it is not sure", "give both");
+    refuse_block("E-CYCLE", "R or the bottom alone in G91", "whether the other one moves with it is not sure",
+                 "give both");
     return false;
   }
   if (same_mode && begun && modal_.incremental != cycle_.incremental && (!wr || !wz)) {
-    refuse_block("E-CYCLE", "G90 and G91 change inside a sequence of cycles", "what R and Z mean then is not sure", "give R and Z again");
+    refuse_block("E-CYCLE", "G90 and G91 change inside a sequence of cycles",
+                 "what R and Z mean then is not sure", "give R and Z again");
     return false;
   }
   const double base = levels && modal_.incremental ? 1.0 : 0.0;
@@ -161,12 +173,15 @@ bool Rewriter::shift_of(const Holes& holes, Vec3& shift) {
   }
   report_.cycle_residual = std::max(report_.cycle_residual, residual);
   if (residual > job_.tolerance) {
-    refuse_block("E-CYCLE", fmt::format("the correction changes by {:.2f} um inside this cycle", residual / um),
+    refuse_block("E-CYCLE",
+                 fmt::format("the correction changes by {:.2f} um inside this cycle", residual / um),
                  "the control makes the motions of the cycle itself, so it can only be shifted as a whole",
                  "post the holes as G0 and G1, or allow more with --tolerance-um");
     return false;
   }
-  move_text_ = fmt::format("cycle: shifted as a whole by the correction at mid-depth; {:.2f} um of it change inside", residual / um);
+  move_text_ =
+      fmt::format("cycle: shifted as a whole by the correction at mid-depth; {:.2f} um of it change inside",
+                  residual / um);
   return true;
 }
 
@@ -181,10 +196,12 @@ double Rewriter::write_holes(const Holes& holes, const Vec3& shift, std::string&
   const Word* wz = axis_word(holes.n);
   const double r_base = modal_.incremental ? out_.cycle_level : 0.0;
   const bool levels = keeps_levels();
-  Value r = value_for((holes.r + shift[holes.n] - r_base) / unit, wr, cycle_.r_out - (levels ? r_base / unit : 0.0), decimals_of(wr));
+  Value r = value_for((holes.r + shift[holes.n] - r_base) / unit, wr,
+                      cycle_.r_out - (levels ? r_base / unit : 0.0), decimals_of(wr));
   const auto bottom = [&](double r_level) {
     const double z_base = modal_.incremental ? r_level : 0.0;
-    return value_for((holes.z + shift[holes.n] - z_base) / unit, wz, cycle_.z_out - (levels ? z_base / unit : 0.0), decimals_of(wz));
+    return value_for((holes.z + shift[holes.n] - z_base) / unit, wz,
+                     cycle_.z_out - (levels ? z_base / unit : 0.0), decimals_of(wz));
   };
   // Where levels are kept, increments are given together.
   if (levels && modal_.incremental && !wr && bottom(r_base + r.number * unit).written) r.written = true;

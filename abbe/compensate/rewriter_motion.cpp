@@ -21,7 +21,8 @@ constexpr double kGradientBase = 0.05;
 
 }  // namespace
 
-// Where the original goes: words are program coordinates (G53: machine coordinates), G91 from where it stands.
+// Where the original goes: words are program coordinates (G53: machine coordinates), G91 from where it
+// stands.
 bool Rewriter::read_move(Move& move) {
   move.m0 = move.m1 = in_.m;
   move.known0 = move.known1 = known_;
@@ -29,19 +30,21 @@ bool Rewriter::read_move(Move& move) {
   if (!read_turns(move)) return false;
   if (instruction_.zero == 530) {
     if (modal_.incremental) {
-      refuse_block("E-G53", "G53 in G91", "controls differ on what incremental machine coordinates mean", "write G90 before");
+      refuse_block("E-G53", "G53 in G91", "controls differ on what incremental machine coordinates mean",
+                   "write G90 before");
       return false;
     }
     if (profile_.tools.in_machine_coordinates && in_.frames.tool_offset() != Vec3::Zero()) {
-      refuse_block("E-G53", "machine coordinates while a tool offset is in force", "on this control the tip goes there, not the axes", "write D0 in the block");
+      refuse_block("E-G53", "machine coordinates while a tool offset is in force",
+                   "on this control the tip goes there, not the axes", "write D0 in the block");
       return false;
     }
     for (int k = 0; k < 3; ++k) {
       if (const Word* word = axis_word(k)) move.m1[k] = word->value * modal_.unit();
     }
     if (tcp_ && move.named != 0) {
-      refuse_block("E-TCP", "machine coordinates (G53) while tool centre point control is on", "controls differ on what they mean then",
-                   "switch tool centre point control off before");
+      refuse_block("E-TCP", "machine coordinates (G53) while tool centre point control is on",
+                   "controls differ on what they mean then", "switch tool centre point control off before");
       return false;
     }
     move.known1 |= move.named;
@@ -52,8 +55,10 @@ bool Rewriter::read_move(Move& move) {
     const auto active = static_cast<std::size_t>(frames.active());
     if (!frame_reported_[active]) {
       frame_reported_[active] = true;
-      refuse_block("E-WCS", fmt::format("the work offset {} is not known", work_offset_label(frames.active())), "where on the machine the program runs, and so how large the errors are, depends on it",
-                   "give it: --offset G54=X..,Y..,Z.. (to about 1 mm), or the control's parameter file with --var");
+      refuse_block(
+          "E-WCS", fmt::format("the work offset {} is not known", work_offset_label(frames.active())),
+          "where on the machine the program runs, and so how large the errors are, depends on it",
+          "give it: --offset G54=X..,Y..,Z.. (to about 1 mm), or the control's parameter file with --var");
     }
     return false;
   }
@@ -69,7 +74,9 @@ bool Rewriter::read_move(Move& move) {
   if (frames.rotated() && (move.known1 & 3u) != 3u) move.known1 &= ~3u;
   // Axes that are not named stay exactly where they are.
   const unsigned moved = frames.rotated() ? move.named | 3u : move.named;
-  move.m1 = moved == 7 ? m1 : Vec3((moved & 1u) ? m1.x() : in_.m.x(), (moved & 2u) ? m1.y() : in_.m.y(), (moved & 4u) ? m1.z() : in_.m.z());
+  move.m1 = moved == 7 ? m1
+                       : Vec3((moved & 1u) ? m1.x() : in_.m.x(), (moved & 2u) ? m1.y() : in_.m.y(),
+                              (moved & 4u) ? m1.z() : in_.m.z());
   return true;
 }
 
@@ -83,8 +90,11 @@ bool Rewriter::check_travel(const Move& move) {
     const auto& range = machine_.axis(axis).range;
     if (!range || (at >= (*range)[0] - kTravelSlack && at <= (*range)[1] + kTravelSlack)) continue;
     report_.out_of_volume = true;
-    refuse_block("E-TRAVEL", fmt::format("{} {:.4f} {}: outside the travel of the axis", "XYZABC"[k], at / unit, k < 3 ? "mm" : "deg"),
-                 "the control would stop there, or the machine file's range is wrong", "check the block and `range` in the machine file");
+    refuse_block("E-TRAVEL",
+                 fmt::format("{} {:.4f} {}: outside the travel of the axis", "XYZABC"[k], at / unit,
+                             k < 3 ? "mm" : "deg"),
+                 "the control would stop there, or the machine file's range is wrong",
+                 "check the block and `range` in the machine file");
     return false;
   }
   return true;
@@ -107,17 +117,20 @@ void Rewriter::motion(std::string& out) {
     }
     follow(move.m1 - move.m0, move.known0);
     if (instruction_.motion == 10 && (move.known0 & move.named) != move.named) {
-      refuse_block("E-POS", "a feed move from an unknown position", "the path cannot be followed", "begin with G0, or give the position with --start");
+      refuse_block("E-POS", "a feed move from an unknown position", "the path cannot be followed",
+                   "begin with G0, or give the position with --start");
       return;
     }
     if (!check_travel(move)) return;
     ++report_.blocks.passed;
-    move_text_ = "G53: machine coordinates are copied; these axes are corrected again when the program commands them";
+    move_text_ =
+        "G53: machine coordinates are copied; these axes are corrected again when the program commands them";
     pass(out);
   } else if (is_arc(instruction_.motion)) {
     withheld_ &= ~move.named;
     if (move.turns()) {
-      refuse_block("E-ROTARY", "a rotary axis turns along an arc", "how the control joins both motions is not known", "post such paths as lines");
+      refuse_block("E-ROTARY", "a rotary axis turns along an arc",
+                   "how the control joins both motions is not known", "post such paths as lines");
       out_.turns = move.turns1;
     } else if (arc(move, out)) {
       return;
@@ -127,7 +140,8 @@ void Rewriter::motion(std::string& out) {
   } else {
     withheld_ &= ~move.named;
     if (move.turns() ? turn(move, out) : straight(move, out)) return;
-    out_.m = move.m1;  // refused: nothing is written any more, but what follows is judged from where it starts
+    out_.m =
+        move.m1;  // refused: nothing is written any more, but what follows is judged from where it starts
     out_.turns = move.turns1;
   }
   in_.m = move.m1;
@@ -140,20 +154,24 @@ void Rewriter::motion(std::string& out) {
 
 void Rewriter::uncorrected(const Move& move, std::string& out) {
   if (instruction_.motion != 0) {
-    refuse_block("E-POS", "a feed move while the position of an axis is not known", "the correction depends on all axes",
-                 "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z.. (after M6: --tool-change keeps, if it does not move)");
+    refuse_block("E-POS", "a feed move while the position of an axis is not known",
+                 "the correction depends on all axes",
+                 "begin with rapid moves that name X, Y and Z, or give the machine's position with --start "
+                 "X..,Y..,Z.. (after M6: --tool-change keeps, if it does not move)");
   }
   // The words stand as they are; only they say where the output goes.
   Vec3 p = out_.p();
   for (int k = 0; k < 3; ++k) {
-    if (const Word* word = axis_word(k)) p[k] = word->value * modal_.unit() + (modal_.incremental ? p[k] : 0.0);
+    if (const Word* word = axis_word(k))
+      p[k] = word->value * modal_.unit() + (modal_.incremental ? p[k] : 0.0);
   }
   const Vec3 m = out_.frames.to_machine(p);
   for (int k = 0; k < 3; ++k) {
     if ((move.named & (1u << k)) || (out_.frames.rotated() && k < 2)) out_.m[k] = m[k];
   }
   for (std::size_t k = 0; k < 3; ++k) {
-    if (move.named & (8u << k)) out_.turns[k] = modal_.incremental ? out_.turns[k] + move.turns1[k] - move.turns0[k] : move.turns1[k];
+    if (move.named & (8u << k))
+      out_.turns[k] = modal_.incremental ? out_.turns[k] + move.turns1[k] - move.turns0[k] : move.turns1[k];
   }
   ++report_.blocks.passed;
   move_text_ = "the position of an axis is not known yet: the rapid is copied";
@@ -162,12 +180,15 @@ void Rewriter::uncorrected(const Move& move, std::string& out) {
 
 bool Rewriter::feed_allowed(const Move& move) {
   if (move.known0 != needed_) {
-    refuse_block("E-POS", "a feed move from a position that is not known", "the path, and so its correction, cannot be followed",
-                 "begin with rapid moves that name X, Y and Z, or give the machine's position with --start X..,Y..,Z.. (after M6: --tool-change keeps, if it does not move)");
+    refuse_block("E-POS", "a feed move from a position that is not known",
+                 "the path, and so its correction, cannot be followed",
+                 "begin with rapid moves that name X, Y and Z, or give the machine's position with --start "
+                 "X..,Y..,Z.. (after M6: --tool-change keeps, if it does not move)");
     return false;
   }
   if (modal_.feed_mode == 930 && !instruction_.find(*block_, 'F')) {
-    refuse_block("E-FEED", "inverse time (G93) without F in the block", "the control refuses it", "add F to the block");
+    refuse_block("E-FEED", "inverse time (G93) without F in the block", "the control refuses it",
+                 "add F to the block");
     return false;
   }
   return true;
@@ -182,8 +203,11 @@ void Rewriter::note_correction(const Vec3& m, const Vec3& c) {
     extremes_[i] = {m, in_.frames.datum_point(), gauge_, true};
   }
   if (!(c.squaredNorm() <= job_.max_correction * job_.max_correction)) {
-    refuse_block("E-CORRECTION", fmt::format("the correction is {:.1f} um, {:.0f} um is the limit", c.norm() / um, job_.max_correction / um),
-                 "so large a correction is usually a wrong unit, sign or offset", "check the machine file; --max-correction-um raises the limit");
+    refuse_block("E-CORRECTION",
+                 fmt::format("the correction is {:.1f} um, {:.0f} um is the limit", c.norm() / um,
+                             job_.max_correction / um),
+                 "so large a correction is usually a wrong unit, sign or offset",
+                 "check the machine file; --max-correction-um raises the limit");
   }
   if (last_correction_) {
     const double way = (m - in_.m).squaredNorm(), change = (c - *last_correction_).squaredNorm();
@@ -193,14 +217,18 @@ void Rewriter::note_correction(const Vec3& m, const Vec3& c) {
       report_.max_gradient = std::max(report_.max_gradient, gradient);
       extremes_[3] = {m, in_.frames.datum_point(), gauge_, true};
       if (gradient > job_.max_gradient) {
-        refuse_block("E-GRADIENT", fmt::format("the correction changes by {:.2f} mm per m, {:.2f} is the limit", gradient * 1e3, job_.max_gradient * 1e3),
-                     "no machine is that crooked: a table has a step, or a unit is wrong", "check the error tables of the machine file");
+        refuse_block("E-GRADIENT",
+                     fmt::format("the correction changes by {:.2f} mm per m, {:.2f} is the limit",
+                                 gradient * 1e3, job_.max_gradient * 1e3),
+                     "no machine is that crooked: a table has a step, or a unit is wrong",
+                     "check the error tables of the machine file");
       }
     }
   }
 }
 
-std::optional<Vec3> Rewriter::correction_at(const Vec3& m, unsigned withheld, const std::array<signed char, 3>& approach) {
+std::optional<Vec3> Rewriter::correction_at(const Vec3& m, unsigned withheld,
+                                            const std::array<signed char, 3>& approach) {
   const auto answer = field_.at(m, withheld, approach);
   using Trouble = CorrectionField::Trouble;
   switch (answer.trouble) {
@@ -208,31 +236,41 @@ std::optional<Vec3> Rewriter::correction_at(const Vec3& m, unsigned withheld, co
       return Vec3(answer.q - m);
     case Trouble::travel:
       report_.out_of_volume = true;
-      refuse_block("E-TRAVEL", fmt::format("{} {:.4f} {}: outside the travel of the axis", "XYZABC"[answer.axis],
-                                           answer.axis < 3 ? answer.at : answer.at / deg, answer.axis < 3 ? "mm" : "deg"),
-                   "the control would stop there, or the machine file's range is wrong", "check the work offset (--offset) and `range` in the machine file");
+      refuse_block("E-TRAVEL",
+                   fmt::format("{} {:.4f} {}: outside the travel of the axis", "XYZABC"[answer.axis],
+                               answer.axis < 3 ? answer.at : answer.at / deg, answer.axis < 3 ? "mm" : "deg"),
+                   "the control would stop there, or the machine file's range is wrong",
+                   "check the work offset (--offset) and `range` in the machine file");
       return std::nullopt;
     case Trouble::outside:
       report_.out_of_volume = true;
-      refuse_block("E-VOL", fmt::format("X {:.3f} Y {:.3f} Z {:.3f} mm: outside the calibrated volume", m.x(), m.y(), m.z()),
-                   "beyond the measured range the errors are not known", "check the work offset (--offset), or measure a larger volume");
+      refuse_block(
+          "E-VOL",
+          fmt::format("X {:.3f} Y {:.3f} Z {:.3f} mm: outside the calibrated volume", m.x(), m.y(), m.z()),
+          "beyond the measured range the errors are not known",
+          "check the work offset (--offset), or measure a larger volume");
       return std::nullopt;
     case Trouble::failed:
       break;
   }
-  refuse_block("E-SOLVE", fmt::format("no correction was found at X {:.3f} Y {:.3f} Z {:.3f} mm", m.x(), m.y(), m.z()),
-               "the errors of the machine file are too large or not finite there", "check the machine file with `abbe predict`");
+  refuse_block("E-SOLVE",
+               fmt::format("no correction was found at X {:.3f} Y {:.3f} Z {:.3f} mm", m.x(), m.y(), m.z()),
+               "the errors of the machine file are too large or not finite there",
+               "check the machine file with `abbe predict`");
   return std::nullopt;
 }
 
 // Looks along a move: where tables have their nodes, and evenly.
-bool Rewriter::sample_line(const Move& move, const Vec3& end_correction, const std::array<signed char, 3>& approach) {
+bool Rewriter::sample_line(const Move& move, const Vec3& end_correction,
+                           const std::array<signed char, 3>& approach) {
   samples_.clear();
   const Vec3 way = move.m1 - move.m0;
   const double length = way.norm();
   samples_.push_back({0, Vec3::Zero()});
-  const auto uniform = std::clamp(static_cast<std::size_t>(std::ceil(length / kSampleSpacing)), std::size_t{2}, kMaxUniform);
-  for (std::size_t i = 1; i < uniform; ++i) samples_.push_back({static_cast<double>(i) / static_cast<double>(uniform), Vec3::Zero()});
+  const auto uniform =
+      std::clamp(static_cast<std::size_t>(std::ceil(length / kSampleSpacing)), std::size_t{2}, kMaxUniform);
+  for (std::size_t i = 1; i < uniform; ++i)
+    samples_.push_back({static_cast<double>(i) / static_cast<double>(uniform), Vec3::Zero()});
   for (int k = 0; k < 3; ++k) {
     if (std::abs(way[k]) < kFineSpacing / 10) continue;
     const auto& knots = field_.knots(k);
@@ -242,13 +280,16 @@ bool Rewriter::sample_line(const Move& move, const Vec3& end_correction, const s
     }
   }
   samples_.push_back({1, end_correction});
-  std::sort(samples_.begin(), samples_.end(), [](const MoveSample& a, const MoveSample& b) { return a.s < b.s; });
+  std::sort(samples_.begin(), samples_.end(),
+            [](const MoveSample& a, const MoveSample& b) { return a.s < b.s; });
   // between two places the function is close to quadratic: its middle is where the chord is farthest
   const std::size_t places = samples_.size();
   for (std::size_t i = 0; i + 1 < places; ++i) {
-    if ((samples_[i + 1].s - samples_[i].s) * length > kFineSpacing) samples_.push_back({(samples_[i].s + samples_[i + 1].s) / 2, Vec3::Zero()});
+    if ((samples_[i + 1].s - samples_[i].s) * length > kFineSpacing)
+      samples_.push_back({(samples_[i].s + samples_[i + 1].s) / 2, Vec3::Zero()});
   }
-  std::sort(samples_.begin(), samples_.end(), [](const MoveSample& a, const MoveSample& b) { return a.s < b.s; });
+  std::sort(samples_.begin(), samples_.end(),
+            [](const MoveSample& a, const MoveSample& b) { return a.s < b.s; });
   for (auto& sample : samples_) {
     if (sample.s >= 1) {
       sample.correction = end_correction;
@@ -293,7 +334,8 @@ Rewriter::Value Rewriter::value_for(double wanted, const Word* word, double pres
   return {wanted, true};
 }
 
-Rewriter::Value Rewriter::axis_value(int k, const Vec3& want, const Vec3& p_out, bool first, double& base) const {
+Rewriter::Value Rewriter::axis_value(int k, const Vec3& want, const Vec3& p_out, bool first,
+                                     double& base) const {
   const Word* named = axis_word(k);
   const Word* word = first ? named : nullptr;
   base = modal_.incremental ? p_out[k] : 0.0;
@@ -303,7 +345,8 @@ Rewriter::Value Rewriter::axis_value(int k, const Vec3& want, const Vec3& p_out,
   return value_for((want[k] - base) / modal_.unit(), word, present, decimals_of(named));
 }
 
-double Rewriter::put(char letter, const Word* word, double number, int decimals, bool first, std::string* extra) {
+double Rewriter::put(char letter, const Word* word, double number, int decimals, bool first,
+                     std::string* extra) {
   if (!word && !first) {
     *extra += ' ';
     *extra += letter;
@@ -367,7 +410,8 @@ bool Rewriter::straight(const Move& move, std::string& out) {
   const bool turned = approach != stands_ && field_.depends_on_direction();
   if (turned) last_correction_.reset();  // it was for the other direction
   if (out_.frames.rotated() && (withheld_ & 3u)) {
-    refuse_block("E-ROTATION", "X or Y stands in machine coordinates in a rotated work offset", "its correction cannot be withheld there", "command X and Y after G53");
+    refuse_block("E-ROTATION", "X or Y stands in machine coordinates in a rotated work offset",
+                 "its correction cannot be withheld there", "command X and Y after G53");
     return false;
   }
   const auto c1 = correction_at(move.m1, withheld_, approach);
@@ -377,8 +421,12 @@ bool Rewriter::straight(const Move& move, std::string& out) {
     if (!full) return false;
     for (int k = 0; k < 3; ++k) {
       if (!(withheld_ & (1u << k)) || std::abs((*full)[k]) <= job_.tolerance) continue;
-      refuse_block("E-POS", fmt::format("a feed move while {} stands where G53 put it, without its correction of {:.1f} um", "XYZ"[k], (*full)[k] / um),
-                   "a word is not added to an axis that the program commanded in machine coordinates", "command the axis in the work offset first");
+      refuse_block(
+          "E-POS",
+          fmt::format("a feed move while {} stands where G53 put it, without its correction of {:.1f} um",
+                      "XYZ"[k], (*full)[k] / um),
+          "a word is not added to an axis that the program commanded in machine coordinates",
+          "command the axis in the work offset first");
       return false;
     }
   }
@@ -394,7 +442,8 @@ bool Rewriter::straight(const Move& move, std::string& out) {
       takes_up = turned && start_corrected_ && way.norm() > shortest_take_up() &&
                  (move.m0 + samples_.front().correction - out_.m).norm() > interpolation_;
       if (takes_up && modal_.feed_mode == 930) {
-        refuse_block("E-REVERSAL", "lost motion must be taken up in an inverse-time (G93) block", "the extra block would need a time of its own", "post with G94");
+        refuse_block("E-REVERSAL", "lost motion must be taken up in an inverse-time (G93) block",
+                     "the extra block would need a time of its own", "post with G94");
         return false;
       }
       ends = split_move(samples_, interpolation_);
@@ -405,12 +454,14 @@ bool Rewriter::straight(const Move& move, std::string& out) {
     pieces_.push_back({pieces_.empty() ? 0 : pieces_.back().s1, s1, out_.frames.to_program(m), {}, {}});
   };
   if (takes_up) add(0, move.m0 + samples_.front().correction);
-  for (std::size_t j = 0; j + 1 < ends.size(); ++j) add(samples_[ends[j]].s, move.m0 + samples_[ends[j]].s * way + samples_[ends[j]].correction);
+  for (std::size_t j = 0; j + 1 < ends.size(); ++j)
+    add(samples_[ends[j]].s, move.m0 + samples_[ends[j]].s * way + samples_[ends[j]].correction);
   add(1, move.m1 + *c1);
   write_pieces(move, pieces_, out);
   if (number_ == job_.trace_line) {
-    move_text_ = pieces_.size() > 1 ? fmt::format("feed move in {} pieces: the correction bends along it", pieces_.size())
-                            : (feed ? "feed move: one piece is straight enough" : "rapid: its end is corrected");
+    move_text_ = pieces_.size() > 1
+                     ? fmt::format("feed move in {} pieces: the correction bends along it", pieces_.size())
+                     : (feed ? "feed move: one piece is straight enough" : "rapid: its end is corrected");
   }
   in_.m = move.m1;
   known_ = move.known1;

@@ -14,7 +14,8 @@ namespace {
 constexpr double kShort = 5;
 
 std::optional<int> whole(const Word* word) {
-  if (!word || word->value < 0 || word->value > 1e6 || word->value != std::floor(word->value)) return std::nullopt;
+  if (!word || word->value < 0 || word->value > 1e6 || word->value != std::floor(word->value))
+    return std::nullopt;
   return static_cast<int>(word->value);
 }
 
@@ -25,18 +26,22 @@ bool Rewriter::change_tool(std::optional<int> number) {
   const GaugeLength gauge = gauge_length(job_.setup, machine_, number);
   gauge_ = gauge.length;
   field_.set_tool(tool_of(machine_, gauge.length));
-  short_enough_ = std::max(2 * interpolation_ / job_.max_gradient, std::min(kShort, field_.straight_length(interpolation_)));
+  short_enough_ = std::max(2 * interpolation_ / job_.max_gradient,
+                           std::min(kShort, field_.straight_length(interpolation_)));
   last_correction_.reset();
   datum_dirty_ = true;
   if (gauge.touch_off && angular_) {
-    refuse_block("E-GAUGE", fmt::format("tool {}: the table's Z offset {:.4f} is a touch-off value, not a gauge length",
-                                        *number, job_.setup.tools.at(*number).offset[2]),
+    refuse_block("E-GAUGE",
+                 fmt::format("tool {}: the table's Z offset {:.4f} is a touch-off value, not a gauge length",
+                             *number, job_.setup.tools.at(*number).offset[2]),
                  "the machine's angular errors act through the tool's length",
                  "give the gauge length: --gauge T3=112.4, or gauge=112.4 in the tool table's comment");
     return false;
   }
   if (gauge.source == GaugeLength::Source::machine_file && number && angular_) {
-    warn("W-GAUGE", fmt::format("tool {} has no known gauge length: the machine file's {:.4f} mm is used", *number, gauge.length),
+    warn("W-GAUGE",
+         fmt::format("tool {} has no known gauge length: the machine file's {:.4f} mm is used", *number,
+                     gauge.length),
          "the machine's angular errors act through the tool's length", "give it: --gauge T3=112.4");
   }
   return true;
@@ -45,9 +50,10 @@ bool Rewriter::change_tool(std::optional<int> number) {
 bool Rewriter::settings() {
   const GCode zero = instruction_.zero;
   const bool ends_turn = zero == 521 || zero == 681;
-  if (in_.frames.turned() && ((zero >= 0 && zero != 40 && !ends_turn) || instruction_.wcs >= 0 || modal_.plane != Plane::xy)) {
-    refuse_block("E-ROTATION", "a frame, plane or reference position is chosen while a rotation is in force", "controls refuse it, or differ in what it means",
-                 "end the rotation before (G69)");
+  if (in_.frames.turned() &&
+      ((zero >= 0 && zero != 40 && !ends_turn) || instruction_.wcs >= 0 || modal_.plane != Plane::xy)) {
+    refuse_block("E-ROTATION", "a frame, plane or reference position is chosen while a rotation is in force",
+                 "controls refuse it, or differ in what it means", "end the rotation before (G69)");
     return false;
   }
   if (const Word* t = instruction_.find(*block_, 'T')) {
@@ -57,14 +63,16 @@ bool Rewriter::settings() {
   if (instruction_.set_tool) {
     const auto number = whole(instruction_.find(*block_, 'Q'));
     if (!number) {
-      refuse_block("E-TOOL", "M61 without a tool number Q", "the tool in the spindle is not known", "write M61 Q1");
+      refuse_block("E-TOOL", "M61 without a tool number Q", "the tool in the spindle is not known",
+                   "write M61 Q1");
       return false;
     }
     if (!change_tool(number)) return false;
   }
   if (instruction_.tool_change) {
     if (!selected_tool_) {
-      refuse_block("E-TOOL", "M6 without a tool selected by T", "the tool in the spindle is not known", "write T1 M6");
+      refuse_block("E-TOOL", "M6 without a tool selected by T", "the tool in the spindle is not known",
+                   "write T1 M6");
       return false;
     }
     // The control may have moved to its place for changing tools, and it stays there.
@@ -78,13 +86,17 @@ bool Rewriter::settings() {
   }
   if (instruction_.tool_length >= 0 && !tool_length()) return false;
   if (instruction_.tcp == 1 && !machine_.control.declared) {
-    refuse_block("E-TCP", "tool centre point control is switched on", "the machine file does not say where the control takes its rotary axes to be", "declare [control] in the machine file");
+    refuse_block("E-TCP", "tool centre point control is switched on",
+                 "the machine file does not say where the control takes its rotary axes to be",
+                 "declare [control] in the machine file");
     return false;
   }
   if (instruction_.tcp >= 0) switch_tcp(instruction_.tcp == 1);
   if (instruction_.wcs >= 0 && !choose_work_offset()) return false;
   if (profile_.tools.follows_plane && modal_.plane != Plane::xy && in_.frames.tool_offset() != Vec3::Zero()) {
-    refuse_block("E-TOOL", "another plane than G17 with a tool offset", "the control lets the length act along the axis across the plane", "write D0 before, or post in G17");
+    refuse_block("E-TOOL", "another plane than G17 with a tool offset",
+                 "the control lets the length act along the axis across the plane",
+                 "write D0 before, or post in G17");
     return false;
   }
   return instruction_.rotation < 0 || turn_frame();
@@ -92,14 +104,16 @@ bool Rewriter::settings() {
 
 // A number, or the name of a tool of the table. Nothing: refused.
 std::optional<int> Rewriter::tool_number(const Word& word) const {
-  const std::string_view said = block_->text.substr(word.number, static_cast<std::size_t>(word.end - word.number));
+  const std::string_view said =
+      block_->text.substr(word.number, static_cast<std::size_t>(word.end - word.number));
   const bool named = said.size() >= 2 && said.front() == '"';
   return named ? tool_named(job_.setup.tools, said.substr(1, said.size() - 2)) : whole(&word);
 }
 
 bool Rewriter::choose_work_offset() {
   if (!profile_.offsets.keeps_shift && in_.frames.g92() != Vec3::Zero()) {
-    refuse_block("E-FRAME", "a work offset is chosen while a shift of the program is in force", "whether the shift outlives it is not sure", "end the shift before (TRANS)");
+    refuse_block("E-FRAME", "a work offset is chosen while a shift of the program is in force",
+                 "whether the shift outlives it is not sure", "end the shift before (TRANS)");
     return false;
   }
   in_.frames.select(instruction_.wcs);
@@ -108,13 +122,16 @@ bool Rewriter::choose_work_offset() {
   return true;
 }
 
-// TRANS and ROT replace what stands (alone they end it), ATRANS and AROT come on top: first the turn, then the shift.
+// TRANS and ROT replace what stands (alone they end it), ATRANS and AROT come on top: first the turn, then
+// the shift.
 bool Rewriter::make_frame() {
   const GCode zero = instruction_.zero;
   const bool turns = zero >= 681, anew = zero == 521 || zero == 681;
   const Word* angle = instruction_.find(*block_, 'R');
   if (angle != nullptr && (modal_.plane != Plane::xy || in_.frames.rotated() != in_.frames.turned())) {
-    refuse_block("E-ROTATION", "a rotation out of G17 or in a rotated work offset", "about which axis the rest turns is not followed", "write G17; set the offset without rotation");
+    refuse_block("E-ROTATION", "a rotation out of G17 or in a rotated work offset",
+                 "about which axis the rest turns is not followed",
+                 "write G17; set the offset without rotation");
     return false;
   }
   for (auto* side : {&in_, &out_}) {
@@ -125,7 +142,8 @@ bool Rewriter::make_frame() {
     side->frames.set_g92(shift);
   }
   if (turns || in_.frames.turned()) {
-    for (auto* side : {&in_, &out_}) side->frames.turn(Vec3::Zero(), angle != nullptr ? angle->value * deg : 0.0);
+    for (auto* side : {&in_, &out_})
+      side->frames.turn(Vec3::Zero(), angle != nullptr ? angle->value * deg : 0.0);
     known_ &= ~3u;
     withheld_ &= ~3u;
     start_corrected_ = false;
@@ -142,7 +160,8 @@ bool Rewriter::turn_frame() {
   const bool on = instruction_.rotation == 1;
   if (on && (!x || !y || !r || modal_.plane != Plane::xy || modal_.incremental || in_.frames.rotated())) {
     refuse_block("E-ROTATION", "a rotation is followed with X, Y and R, in G17 and G90, one at a time",
-                 "about which point the rest turns is not sure otherwise", "write G69, then G17 G90 G68 X.. Y.. R..");
+                 "about which point the rest turns is not sure otherwise",
+                 "write G69, then G17 G90 G68 X.. Y.. R..");
     return false;
   }
   const Vec3 centre = on ? Vec3(x->value * modal_.unit(), y->value * modal_.unit(), 0) : Vec3::Zero();
@@ -166,17 +185,21 @@ bool Rewriter::tool_length() {
     last_correction_.reset();
     start_corrected_ = false;
   }
-  if (instruction_.tool_length == 490 || (profile_.tools.h_needed && number_word && number_word->value == 0)) {
+  if (instruction_.tool_length == 490 ||
+      (profile_.tools.h_needed && number_word && number_word->value == 0)) {
     tlo.setZero();
   } else if (instruction_.tool_length == 431) {
     for (int k = 0; k < 3; ++k) {
       if (const Word* word = axis_word(k)) tlo[k] = word->value * modal_.unit();
     }
   } else {
-    const auto number = number_word ? whole(number_word) : profile_.tools.h_needed ? std::nullopt : loaded_tool_;
+    const auto number = number_word               ? whole(number_word)
+                        : profile_.tools.h_needed ? std::nullopt
+                                                  : loaded_tool_;
     const auto entry = number ? job_.setup.tools.find(*number) : job_.setup.tools.end();
     if (entry == job_.setup.tools.end()) {
-      const std::string what = number ? fmt::format("tool {} is in no tool table", *number) : std::string("G43 without H, or without a tool in the spindle");
+      const std::string what = number ? fmt::format("tool {} is in no tool table", *number)
+                                      : std::string("G43 without H, or without a tool in the spindle");
       refuse_block("E-TOOL", what, "the control would move by an offset that is not known here",
                    "give the control's tool table: --tools tool.tbl");
       return false;
@@ -256,8 +279,8 @@ bool Rewriter::zero_group(std::string& out, bool& done) {
       return true;
     case 923:
       if (!saved_g92_) {
-        refuse_block("E-G92", "G92.3 restores an offset from before this program", "its value is not known here",
-                     "set it in the program with G92 or G52");
+        refuse_block("E-G92", "G92.3 restores an offset from before this program",
+                     "its value is not known here", "set it in the program with G92 or G52");
         return false;
       }
       for (auto* side : {&in_, &out_}) side->frames.set_g92(side->g92_saved);
@@ -303,7 +326,8 @@ bool Rewriter::set_g92() {
   in_.g92_saved = g92_in;
   out_.g92_saved = g92_out;
   saved_g92_ = true;
-  move_text_ = "G92: the present correction is added to its values, so that both programs have the same frame";
+  move_text_ =
+      "G92: the present correction is added to its values, so that both programs have the same frame";
   return true;
 }
 
@@ -312,7 +336,8 @@ bool Rewriter::set_work_offset() {
   const auto p = whole(instruction_.find(*block_, 'P'));
   const Word* rotation = instruction_.find(*block_, 'R');
   if (l != 2 && l != 20) {
-    refuse_block("E-G10", "only G10 L2 and G10 L20 are followed", "other forms change the control's tool data", "set tool data outside the program");
+    refuse_block("E-G10", "only G10 L2 and G10 L20 are followed",
+                 "other forms change the control's tool data", "set tool data outside the program");
     return false;
   }
   // L20 with a further offset's number, where the control has those; else the offset numbered as G54 = 1.
@@ -320,7 +345,8 @@ bool Rewriter::set_work_offset() {
   const int last = further ? profile_.offsets.further : profile_.offsets.fixed;
   const int first = profile_.offsets.p0_active && !further ? 0 : 1;
   if (!p || *p < first || *p > last || ((l == 2 || further) && modal_.incremental) || (l == 20 && rotation)) {
-    refuse_block("E-G10", l == 2 && modal_.incremental ? "G10 L2 in G91" : "this form of G10 is not understood",
+    refuse_block("E-G10",
+                 l == 2 && modal_.incremental ? "G10 L2 in G91" : "this form of G10 is not understood",
                  "the work offset that results is not known", "write G90 G10 L2 P1 X.. Y.. Z..");
     return false;
   }
@@ -335,7 +361,8 @@ bool Rewriter::set_work_offset() {
   }
   WorkOffset in = known.value_or(WorkOffset{}), out = out_.frames.work_offset(index).value_or(WorkOffset{});
   if (l == 20 && !further && in.rotation != 0) {
-    refuse_block("E-G10", "G10 L20 in a rotated work offset", "the offset that results is not followed", "use G10 L2");
+    refuse_block("E-G10", "G10 L20 in a rotated work offset", "the offset that results is not followed",
+                 "use G10 L2");
     return false;
   }
   for (int k = 0; k < 3; ++k) {
@@ -368,7 +395,8 @@ bool Rewriter::set_work_offset() {
   in_.frames.set_work_offset(index, in);
   out_.frames.set_work_offset(index, out);
   datum_dirty_ = true;
-  move_text_ = l == 20 && !further ? "G10 L20: the present correction is added to its values" : "G10 L2: followed";
+  move_text_ =
+      l == 20 && !further ? "G10 L20: the present correction is added to its values" : "G10 L2: followed";
   return true;
 }
 

@@ -1,4 +1,5 @@
-// Subprograms of the same file that are called once: rewritten where they stand, in the state of their only call.
+// Subprograms of the same file that are called once: rewritten where they stand, in the state of their only
+// call.
 
 #include <fmt/format.h>
 
@@ -22,7 +23,8 @@ bool Rewriter::only_changes_flow(std::string_view words) {
   for (int i = 0; i < block_->count; ++i) {
     const Word& word = block_->words[static_cast<std::size_t>(i)];
     if (word.letter == 'M' ? ++codes == 1 : words.find(word.letter) != std::string_view::npos) continue;
-    refuse(word, "E-OWORD", "a call or return of a subprogram beside other words", "in which order they act is not sure", "give it a block of its own");
+    refuse(word, "E-OWORD", "a call or return of a subprogram beside other words",
+           "in which order they act is not sure", "give it a block of its own");
     return false;
   }
   return true;
@@ -33,33 +35,42 @@ std::optional<int> Rewriter::called_number() {
   if (!only_changes_flow("NPL")) return std::nullopt;
   const Word* p = instruction_.find(*block_, 'P');
   const Word* l = instruction_.find(*block_, 'L');
-  if (p == nullptr || p->value < 1 || p->value > kLargestNumber || p->value != static_cast<int>(p->value) || (l != nullptr && l->value != 1)) {
+  if (p == nullptr || p->value < 1 || p->value > kLargestNumber || p->value != static_cast<int>(p->value) ||
+      (l != nullptr && l->value != 1)) {
     refuse_block("E-OWORD", "a subprogram is called more than once, or its number is not a P from 1 to 9999",
-                 "each time it runs elsewhere it needs other corrections", "post the calls expanded: the subprogram's blocks in place of each call");
+                 "each time it runs elsewhere it needs other corrections",
+                 "post the calls expanded: the subprogram's blocks in place of each call");
     return std::nullopt;
   }
   const int number = static_cast<int>(p->value);
   if (!called_.insert(number).second) {
-    refuse_block("E-OWORD", fmt::format("subprogram {} is called a second time", number), "each time it runs elsewhere it needs other corrections",
+    refuse_block("E-OWORD", fmt::format("subprogram {} is called a second time", number),
+                 "each time it runs elsewhere it needs other corrections",
                  "post the calls expanded: the subprogram's blocks in place of each call");
     return std::nullopt;
   }
   return number;
 }
 
-// The call is copied, the subprogram's lines are rewritten as if they stood here and kept until the file comes to them.
+// The call is copied, the subprogram's lines are rewritten as if they stood here and kept until the file
+// comes to them.
 void Rewriter::run_subprogram() {
   const auto number = called_number();
   if (!number) return;
   if (depth_ == 0) call_line_ = number_;
   const auto found = find_subprogram(job_.path, *number);
   if (!found || depth_ == kDeepest || found->first_line <= call_line_) {
-    refuse_block("E-OWORD", fmt::format("subprogram {} does not stand once, behind the main program, in this file", *number),
-                 "what it does is not known", "put it behind the end of the main program, or post without subprograms");
+    refuse_block(
+        "E-OWORD",
+        fmt::format("subprogram {} does not stand once, behind the main program, in this file", *number),
+        "what it does is not known",
+        "put it behind the end of the main program, or post without subprograms");
     return;
   }
   if (Block head; read_block(found->lines.front(), head) || head.count != 1 || head.slash) {
-    refuse_block("E-OWORD", fmt::format("the first line of subprogram {} holds more than its number", *number), "only a number alone is known", "give it a line of its own");
+    refuse_block("E-OWORD",
+                 fmt::format("the first line of subprogram {} holds more than its number", *number),
+                 "only a number alone is known", "give it a line of its own");
     return;
   }
   ++depth_;
@@ -79,11 +90,14 @@ void Rewriter::run_subprogram() {
       line(error, false, called.text);
     }
     if (ended_) {
-      refuse_block("E-OWORD", "the program ends inside a subprogram", "what follows the call is then not run", "end subprograms with M99");
+      refuse_block("E-OWORD", "the program ends inside a subprogram", "what follows the call is then not run",
+                   "end subprograms with M99");
       break;
     }
   }
-  if (!returned_ && !findings_.refused()) refuse_block("E-OWORD", fmt::format("subprogram {} does not end with M99", *number), "where it goes on is not sure", "end it with M99");
+  if (!returned_ && !findings_.refused())
+    refuse_block("E-OWORD", fmt::format("subprogram {} does not end with M99", *number),
+                 "where it goes on is not sure", "end it with M99");
   returned_ = false;
   block_ = calling;
   --depth_;

@@ -20,7 +20,7 @@ constexpr int kDeepest = 12;
 // Between two stops the tool axis may be farther off than at both by this, rad.
 constexpr double kDirectionTolerance = 20 * urad;
 // Shorter pieces help nothing: the digits of their ends are larger than what they bend.
-constexpr double kShortestPiece = 0.05;       // mm
+constexpr double kShortestPiece = 0.05;  // mm
 constexpr double kSmallestTurn = 0.02 * deg;
 // The feed of the linear axes may change by this share.
 constexpr double kFeedChange = 0.1;
@@ -70,13 +70,15 @@ bool Rewriter::turn_words_allowed() {
     const Word* word = turn_word_of(k);
     if (!word) continue;
     if (axes_.rotary[static_cast<std::size_t>(k)] < 0) {
-      refuse(*word, "E-ROTARY", fmt::format("the machine has no rotary axis with the address {}", "ABC"[k]), "where the tool goes is not known",
+      refuse(*word, "E-ROTARY", fmt::format("the machine has no rotary axis with the address {}", "ABC"[k]),
+             "where the tool goes is not known",
              "describe the axis, or set its `address` in the machine file");
       return false;
     }
     if (!machine_.control.declared) {
       refuse(*word, "E-ROTARY", "what rotary words do to X Y Z is not declared",
-             "with tool centre point control X Y Z are of the tip, without it of the axes: the correction is another one",
+             "with tool centre point control X Y Z are of the tip, without it of the axes: the correction is "
+             "another one",
              "state it in the machine file: [control] mode = \"axis\" or mode = \"tcp\"");
       return false;
     }
@@ -99,13 +101,14 @@ bool Rewriter::read_turns(Move& move) {
       move.turns1[i] = in_.turns[i] + word->value * deg;
     } else {
       if (turning_of(k) == Turning::sign && offsets[i] != 0) {
-        refuse(*word, "E-TURN", "a rotary offset on an axis whose sign is its direction", "how the control adds them is not known", "set the offset to zero");
+        refuse(*word, "E-TURN", "a rotary offset on an axis whose sign is its direction",
+               "how the control adds them is not known", "set the offset to zero");
         return false;
       }
       const TurnTarget target = turn_target(turning_of(k), word->value, in_.turns[i], offsets[i]);
       if (target.ambiguous && (known_ & (8u << k)) != 0) {
-        refuse(*word, "E-TURN", fmt::format("{} turns by half a turn the shorter way", "ABC"[k]), "a correction decides which way round it goes",
-               "put a block between, a quarter turn away");
+        refuse(*word, "E-TURN", fmt::format("{} turns by half a turn the shorter way", "ABC"[k]),
+               "a correction decides which way round it goes", "put a block between, a quarter turn away");
         return false;
       }
       move.turns1[i] = target.position;
@@ -135,10 +138,12 @@ void Rewriter::keep_turns(const Move& move) {
     int decimals = turn_decimals(k);
     TurnWord kept;
     for (; decimals <= kMostDecimals; ++decimals) {
-      kept = turn_word(turning_of(k), word->value, move.turns1[i], out_.turns[i], out_.turns[i], offsets[i], decimals);
+      kept = turn_word(turning_of(k), word->value, move.turns1[i], out_.turns[i], out_.turns[i], offsets[i],
+                       decimals);
       if (std::abs(kept.position - out_.turns[i]) < kSamePlace) break;
     }
-    if (kept.number != word->value) put("ABC"[k], word, kept.number, std::min(decimals, kMostDecimals), true, nullptr);
+    if (kept.number != word->value)
+      put("ABC"[k], word, kept.number, std::min(decimals, kMostDecimals), true, nullptr);
   }
 }
 
@@ -147,7 +152,8 @@ void Rewriter::command_turns(const Move& move, const Piece& piece, bool first, s
     if ((move.turning & (1u << k)) == 0) continue;
     const auto i = static_cast<std::size_t>(k);
     const Word* word = first ? turn_word_of(k) : nullptr;
-    if (!word || piece.turn_numbers[i] != word->value) put("ABC"[k], word, piece.turn_numbers[i], turn_decimals(k), first, extra);
+    if (!word || piece.turn_numbers[i] != word->value)
+      put("ABC"[k], word, piece.turn_numbers[i], turn_decimals(k), first, extra);
     out_.turns[i] = piece.turns[i];
   }
 }
@@ -162,9 +168,10 @@ void Rewriter::switch_tcp(bool on) {
   if (!in || !out) return;
   in_.m = *in;
   out_.m = *out;
-  // Turned away from home the point depends on the control's numbers alone: no word is added for a linear axis
-  // until the program has named it. The same where a rotary axis is not known.
-  if ((known_ & needed_ & ~7u) != (needed_ & ~7u) || !near_home(in_.turns) || !near_home(out_.turns)) known_ &= ~7u;
+  // Turned away from home the point depends on the control's numbers alone: no word is added for a linear
+  // axis until the program has named it. The same where a rotary axis is not known.
+  if ((known_ & needed_ & ~7u) != (needed_ & ~7u) || !near_home(in_.turns) || !near_home(out_.turns))
+    known_ &= ~7u;
   withheld_ = 0;
   last_correction_.reset();
   start_corrected_ = false;
@@ -173,7 +180,8 @@ void Rewriter::switch_tcp(bool on) {
 bool Rewriter::stand(const Turns& commanded, const Turns& standing) {
   last_correction_.reset();
   if (field_.set_stance({commanded, standing, tcp_}) || !tcp_) return true;
-  refuse_block("E-TCP", "the linear axes cannot follow the tip there", "with the rotary axes at these positions they do not reach every point",
+  refuse_block("E-TCP", "the linear axes cannot follow the tip there",
+               "with the rotary axes at these positions they do not reach every point",
                "check the machine file: origins and directions of the rotary axes");
   return false;
 }
@@ -189,10 +197,12 @@ std::optional<Rewriter::Stop> Rewriter::stop_at(const Move& move, double s, cons
   if (answer.trouble != CorrectionField::Trouble::none) {
     report_.out_of_volume = report_.out_of_volume || answer.trouble == CorrectionField::Trouble::outside;
     if (answer.trouble == CorrectionField::Trouble::outside)
-      refuse_block("E-VOL", "the rotary axes turn out of the volume in which the errors are known", "beyond the measured range the errors are not known",
+      refuse_block("E-VOL", "the rotary axes turn out of the volume in which the errors are known",
+                   "beyond the measured range the errors are not known",
                    "measure a larger range, or state `periodic` for a table of a whole turn");
     else
-      refuse_block("E-SOLVE", "no correction was found along this turn", "the errors of the machine file are too large or not finite there",
+      refuse_block("E-SOLVE", "no correction was found along this turn",
+                   "the errors of the machine file are too large or not finite there",
                    "check the machine file with `abbe predict`");
     return std::nullopt;
   }
@@ -206,10 +216,12 @@ std::optional<Rewriter::Stop> Rewriter::stop_at(const Move& move, double s, cons
     TurnWord word;
     if (modal_.incremental) {
       // the increment that leads there from where the output stands
-      word = turn_word(Turning::linear, named->value, move.turns1[i] - move.turns0[i], 0, answer.turns[i] - from[i], 0, turn_decimals(k));
+      word = turn_word(Turning::linear, named->value, move.turns1[i] - move.turns0[i], 0,
+                       answer.turns[i] - from[i], 0, turn_decimals(k));
       word.position += from[i];
     } else {
-      word = turn_word(turning_of(k), named->value, move.turns1[i], from[i], answer.turns[i], offsets[i], turn_decimals(k));
+      word = turn_word(turning_of(k), named->value, move.turns1[i], from[i], answer.turns[i], offsets[i],
+                       turn_decimals(k));
     }
     if (word.clamped) stop.cut_short[i] = answer.turns[i] - turns[i];
     stop.turns[i] = word.position;
@@ -231,7 +243,9 @@ bool Rewriter::bends(const Move& move, const Stop& a, const Stop& b) {
   for (std::size_t k = 0; k < 3; ++k) angle = std::max(angle, std::abs(b.turns[k] - a.turns[k]));
   if (length < kShortestPiece && angle < kSmallestTurn) return false;
   const double direction = std::max(a.direction, b.direction) + kDirectionTolerance;
-  const int looks = std::clamp(static_cast<int>(std::ceil(std::max(length / kLookSpacing, angle / kLookTurn))), kFewestLooks, kMostLooks);
+  const int looks =
+      std::clamp(static_cast<int>(std::ceil(std::max(length / kLookSpacing, angle / kLookTurn))),
+                 kFewestLooks, kMostLooks);
   for (int i = 1; i <= looks; ++i) {
     const double t = static_cast<double>(i) / (looks + 1), s = a.s + t * (b.s - a.s);
     Stance stance{move.turns0, a.turns, tcp_};
@@ -246,7 +260,8 @@ bool Rewriter::bends(const Move& move, const Stop& a, const Stop& b) {
   return false;
 }
 
-bool Rewriter::split_turn(const Move& move, const Stop& a, const Stop& b, int depth, std::vector<Stop>& stops) {
+bool Rewriter::split_turn(const Move& move, const Stop& a, const Stop& b, int depth,
+                          std::vector<Stop>& stops) {
   if (depth < kDeepest && bends(move, a, b)) {
     const auto middle = stop_at(move, (a.s + b.s) / 2, a.turns);
     if (!middle) return false;
@@ -259,8 +274,8 @@ bool Rewriter::split_turn(const Move& move, const Stop& a, const Stop& b, int de
   return true;
 }
 
-// F is of the linear axes as long as they move, else in degrees per minute. Where a correction would change which,
-// in any piece, the time is stated instead: for rotary axes alone  T = sqrt(sum of squared ways) / F.
+// F is of the linear axes as long as they move, else in degrees per minute. Where a correction would change
+// which, in any piece, the time is stated instead: for rotary axes alone  T = sqrt(sum of squared ways) / F.
 bool Rewriter::choose_turning_feed(const Move& move, const Stop& start, const std::vector<Stop>& stops) {
   timed_feed_ = 0;
   if (modal_.feed_mode == 930) return true;
@@ -271,7 +286,8 @@ bool Rewriter::choose_turning_feed(const Move& move, const Stop& start, const st
   const Stop* from = &start;
   for (const Stop& stop : stops) {
     const double meant = (stop.s - from->s) * whole, now = (stop.m - from->m).norm();
-    same = same && (linear ? std::abs(now - meant) <= kFeedChange * meant : (stop.m - from->m).cwiseAbs().maxCoeff() <= digit);
+    same = same && (linear ? std::abs(now - meant) <= kFeedChange * meant
+                           : (stop.m - from->m).cwiseAbs().maxCoeff() <= digit);
     from = &stop;
   }
   if (same) return true;
@@ -280,14 +296,18 @@ bool Rewriter::choose_turning_feed(const Move& move, const Stop& start, const st
   const double distance = linear ? whole / modal_.unit() : angle;
   const bool states_mode = instruction_.feed_mode >= 0;  // a G94 of its own would take the time back
   constexpr std::size_t inverse_time = 930;
-  const bool may_state_times = profile_.feed_of_linear && profile_.g[inverse_time].meaning == Meaning::inverse_time;
+  const bool may_state_times =
+      profile_.feed_of_linear && profile_.g[inverse_time].meaning == Meaning::inverse_time;
   if (may_state_times && modal_.feed_mode == 940 && !states_mode && modal_.has_feed && modal_.feed > 0) {
     timed_feed_ = modal_.feed / distance;
     return true;
   }
-  refuse_block("E-ROTFEED", fmt::format("a correction changes the way of the linear axes ({:.4f} mm) while rotary axes turn", whole),
-               "the control's F is of the linear axes where these move: the rotary axes would turn at another speed",
-               states_mode ? "put G94 into a block of its own" : "post with inverse time (G93)");
+  refuse_block(
+      "E-ROTFEED",
+      fmt::format("a correction changes the way of the linear axes ({:.4f} mm) while rotary axes turn",
+                  whole),
+      "the control's F is of the linear axes where these move: the rotary axes would turn at another speed",
+      states_mode ? "put G94 into a block of its own" : "post with inverse time (G93)");
   return false;
 }
 
@@ -313,7 +333,8 @@ bool Rewriter::turn(const Move& move, std::string& out) {
   const bool feed = instruction_.motion == 10;
   if (feed && !feed_allowed(move)) return false;
   if (withheld_ != 0 && feed) {
-    refuse_block("E-POS", "a turning feed move while an axis stands where G53 put it", "its correction is not in force", "command X, Y and Z in the work offset first");
+    refuse_block("E-POS", "a turning feed move while an axis stands where G53 put it",
+                 "its correction is not in force", "command X, Y and Z in the work offset first");
     return false;
   }
   follow(move.m1 - move.m0, move.known0);
@@ -326,8 +347,10 @@ bool Rewriter::turn(const Move& move, std::string& out) {
   last_correction_.reset();  // the tip's error turns with the axes: no gradient along this move
   for (std::size_t k = 0; k < 3; ++k) {
     if (end->cut_short[k] == 0) continue;
-    warn("W-TURN", fmt::format("{}: the correction of {:.4f} deg is cut short", "ABC"[k], end->cut_short[k] / deg),
-         "it would turn the axis the other way, or once more around", "none is needed: what is left of the direction is in the report");
+    warn("W-TURN",
+         fmt::format("{}: the correction of {:.4f} deg is cut short", "ABC"[k], end -> cut_short[k] / deg),
+         "it would turn the axis the other way, or once more around",
+         "none is needed: what is left of the direction is in the report");
   }
   const Vec3 nominal_axes = field_.commanded_axes(move.m1);
   note_correction(move.m1, field_.standing_axes(end->m) - nominal_axes);
@@ -339,7 +362,8 @@ bool Rewriter::turn(const Move& move, std::string& out) {
   }
   std::vector<Piece> pieces;
   for (const Stop& stop : stops) {
-    pieces.push_back({pieces.empty() ? 0 : pieces.back().s1, stop.s, out_.frames.to_program(stop.m), stop.turns, stop.numbers});
+    pieces.push_back({pieces.empty() ? 0 : pieces.back().s1, stop.s, out_.frames.to_program(stop.m),
+                      stop.turns, stop.numbers});
     if (stop.held) ++report_.held_blocks;
   }
   if (feed && timed_feed_ > 0) {
@@ -349,9 +373,11 @@ bool Rewriter::turn(const Move& move, std::string& out) {
   }
   timed_feed_ = 0;
   if (number_ == job_.trace_line) {
-    move_text_ = fmt::format("{} with rotary axes, in {} piece{}: rotary axes restore the tool's direction, linear ones its place{}",
-                             feed ? "feed move" : "rapid", pieces.size(), pieces.size() == 1 ? "" : "s",
-                             end->held ? "; a rotary axis is held near a singularity" : "");
+    move_text_ = fmt::format(
+        "{} with rotary axes, in {} piece{}: rotary axes restore the tool's direction, linear ones its "
+        "place{}",
+        feed ? "feed move" : "rapid", pieces.size(), pieces.size() == 1 ? "" : "s",
+        end->held ? "; a rotary axis is held near a singularity" : "");
   }
   in_.m = move.m1;
   in_.turns = move.turns1;

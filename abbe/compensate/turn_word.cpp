@@ -59,7 +59,8 @@ TurnTarget turn_target(Turning turning, double written, double from, double offs
   return {from + way, false};
 }
 
-TurnWord turn_word(Turning turning, double written, double target, double from, double wanted, double offset, int decimals) {
+TurnWord turn_word(Turning turning, double written, double target, double from, double wanted, double offset,
+                   int decimals) {
   // The original's word is right to half its last digit: it stays.
   if (std::abs(wanted - target) <= 0.5 * digit(decimals) * deg * (1 + 1e-6)) {
     const double position = turn_target(turning, written, from, offset).position;

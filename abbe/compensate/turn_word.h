@@ -28,7 +28,7 @@ struct TurnTarget {
 /// rounded to `decimals`, such that the control turns the same way round as in the original: where a
 /// correction would change the sense or pass a full turn it is cut short.
 /// laws   TheWordLeadsWhereItSays, NoCorrectionTurnsTheOtherWay, AnUncorrectedWordStays
-[[nodiscard]] TurnWord turn_word(Turning turning, double written, double target, double from, double wanted, double offset,
-                                 int decimals);
+[[nodiscard]] TurnWord turn_word(Turning turning, double written, double target, double from, double wanted,
+                                 double offset, int decimals);
 
 }  // namespace abbe

@@ -36,7 +36,8 @@ TEST(TurnTarget, SignIsTheDirection) {
 TEST(TurnWord, AnUncorrectedWordStays) {
   for (const Turning turning : {Turning::linear, Turning::shortest, Turning::sign}) {
     const TurnTarget target = turn_target(turning, 90.5, 10 * deg, 0);
-    const TurnWord word = turn_word(turning, 90.5, target.position, 10 * deg, target.position + 0.4 * kDigit, 0, kDecimals);
+    const TurnWord word =
+        turn_word(turning, 90.5, target.position, 10 * deg, target.position + 0.4 * kDigit, 0, kDecimals);
     EXPECT_EQ(word.number, 90.5);
     EXPECT_NEAR(word.position, target.position, 1e-12);
     EXPECT_FALSE(word.clamped);
@@ -73,7 +74,8 @@ TEST(TurnWord, ANegativeWordKeepsItsSignAtZero) {
 // 359.9995 -> 0.0003 is the same place for a control that goes the shorter way.
 TEST(TurnWord, ShortestMayPassTheWrap) {
   const double from = 350 * deg, target = turn_target(Turning::shortest, 359.9995, from, 0).position;
-  const TurnWord word = turn_word(Turning::shortest, 359.9995, target, from, target + 0.0008 * deg, 0, kDecimals);
+  const TurnWord word =
+      turn_word(Turning::shortest, 359.9995, target, from, target + 0.0008 * deg, 0, kDecimals);
   EXPECT_NEAR(word.number, 0.0003, 1e-9);
   EXPECT_NEAR(word.position, target + 0.0008 * deg, 1e-9);
 }
@@ -92,8 +94,10 @@ TEST(TurnWord, NoCorrectionTurnsTheOtherWay) {
     const double wanted = target.position + correction(random) * deg;
     const TurnWord word = turn_word(turning, written, target.position, from, wanted, 0, kDecimals);
     // as far round as the original, within the corrections of both ends
-    EXPECT_NEAR(word.position - from, target.position - original_from, 0.05 * deg) << written << " from " << original_from / deg;
-    EXPECT_NEAR(turn_target(turning, word.number, from, 0).position, word.position, 1e-12);  // TheWordLeadsWhereItSays
+    EXPECT_NEAR(word.position - from, target.position - original_from, 0.05 * deg)
+        << written << " from " << original_from / deg;
+    EXPECT_NEAR(turn_target(turning, word.number, from, 0).position, word.position,
+                1e-12);  // TheWordLeadsWhereItSays
   }
 }
 

@@ -68,8 +68,8 @@ class LineReader {
   /// The next line, valid until the next call; nullopt at the end or after an I/O error.
   [[nodiscard]] std::optional<std::string_view> next();
 
-  /// Some next lines at once, valid until the next call: as many as are in memory and fit into `lines`. 0 at the
-  /// end or after an I/O error; a line that was cut comes alone.
+  /// Some next lines at once, valid until the next call: as many as are in memory and fit into `lines`. 0 at
+  /// the end or after an I/O error; a line that was cut comes alone.
   [[nodiscard]] std::size_t next(std::span<std::string_view> lines);
 
   [[nodiscard]] bool too_long() const;             ///< the line just returned was cut

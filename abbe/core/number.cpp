@@ -179,7 +179,8 @@ bool to_fixed(double value, int decimals, FixedNumber& number) {
   number.decimals = decimals;
   number.negative = value < 0 && n != 0;
   // n <= 2^52 and 10^decimals are exact: this is the double nearest to what will be written.
-  const double seen = static_cast<double>(static_cast<std::int64_t>(n)) / kPower10[static_cast<std::size_t>(decimals)];
+  const double seen =
+      static_cast<double>(static_cast<std::int64_t>(n)) / kPower10[static_cast<std::size_t>(decimals)];
   number.value = number.negative ? -seen : seen;
   return true;
 }

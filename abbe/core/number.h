@@ -14,10 +14,10 @@ namespace abbe {
 /// A decimal number as programs and tables write it.
 struct Decimal {
   double value = 0;
-  int decimals = 0;         ///< digits after the point
+  int decimals = 0;  ///< digits after the point
   bool has_point = false;
-  bool has_sign = false;    ///< an explicit + or -
-  std::size_t length = 0;   ///< characters read; 0 = no number here
+  bool has_sign = false;   ///< an explicit + or -
+  std::size_t length = 0;  ///< characters read; 0 = no number here
 };
 
 /// Reads [+-]digits[.digits] at the start of `text`, never an exponent: `X1E2` is 1 followed by
@@ -35,18 +35,19 @@ struct Decimal {
 /// `value` must be finite and |value| < 1e12. Returns the value that a reader will see.
 double append_fixed(std::string& out, double value, int decimals);
 
-/// A number on its way into a text: rounded, not yet spelled. It has less than 2^52 units of its last digit and 15
-/// decimals at most; others are a matter of append_fixed.
+/// A number on its way into a text: rounded, not yet spelled. It has less than 2^52 units of its last digit
+/// and 15 decimals at most; others are a matter of append_fixed.
 struct FixedNumber {
   std::uint64_t digits = 0;  ///< without the point
   int decimals = 0;
   bool negative = false;
-  double value = 0;          ///< what a reader will see
+  double value = 0;  ///< what a reader will see
 };
 /// Bytes that write_fixed may touch: a sign, 16 digits, the point and what is stored behind them.
 inline constexpr std::size_t kFixedRoom = 25;
 
-/// append_fixed in two steps: the rounding (false: it does not fit), and the spelling. Returns the end of the text.
+/// append_fixed in two steps: the rounding (false: it does not fit), and the spelling. Returns the end of the
+/// text.
 [[nodiscard]] bool to_fixed(double value, int decimals, FixedNumber& number);
 [[nodiscard]] char* write_fixed(char* to, const FixedNumber& number);
 
@@ -84,7 +85,8 @@ inline constexpr std::array<double, kExactPowers + 1> kPower10 = {
   return bytes;
 }
 
-/// The number whose eight decimal digits are these bytes 0..9, the first digit lowest: pairs, fours, all eight.
+/// The number whose eight decimal digits are these bytes 0..9, the first digit lowest: pairs, fours, all
+/// eight.
 [[nodiscard]] inline std::uint64_t number_of_digits(std::uint64_t digits) {
   constexpr std::uint64_t kPairs = 10 * 256 + 1, kFours = 100 * 65536 + 1, kEights = 10000 * 4294967296 + 1;
   digits = (digits * kPairs >> 8) & 0x00FF00FF00FF00FFU;
@@ -105,9 +107,8 @@ inline constexpr std::array<double, kExactPowers + 1> kPower10 = {
 }  // namespace number_detail
 
 /// The usual number of a program: [-]digits[.digits], 1 to 15 digits in all, at p in the text [begin, end).
-/// Returns its end, or null if it is anything else: then ask read_decimal, which reads the same value where both
-/// read one.
-/// cost    about 3 ns where it fits 8 bytes, the sign not counted
+/// Returns its end, or null if it is anything else: then ask read_decimal, which reads the same value where
+/// both read one. cost    about 3 ns where it fits 8 bytes, the sign not counted
 [[nodiscard]] inline const char* read_plain_decimal(const char* begin, const char* p, const char* end,
                                                     double& value, int& decimals) {
   using namespace number_detail;
@@ -171,8 +172,7 @@ inline Decimal read_decimal(std::string_view text) {
   }
   // 18 digits cannot have overflowed; mantissa and 10^decimals are exact, so their quotient is correctly
   // rounded.
-  if (digits == 0 || digits > kMaxMantissaDigits || mantissa >= kTwo53)
-    return read_long_decimal(text);
+  if (digits == 0 || digits > kMaxMantissaDigits || mantissa >= kTwo53) return read_long_decimal(text);
   out.length = static_cast<std::size_t>(p - text.data());
   const double value = static_cast<double>(mantissa) / kPower10[static_cast<std::size_t>(out.decimals)];
   out.value = negative ? -value : value;

@@ -96,7 +96,8 @@ TEST(ReadDecimal, PlainNumbersReadTheSame) {
     const std::string text = (k % 3 == 0 ? draw_decimal(rng, 12, 12) : draw_decimal(rng, 5, 5)) + "Z1";
     double value = 0;
     int decimals = 0;
-    const char* const end = read_plain_decimal(text.data(), text.data(), text.data() + text.size(), value, decimals);
+    const char* const end =
+        read_plain_decimal(text.data(), text.data(), text.data() + text.size(), value, decimals);
     if (end == nullptr) continue;
     ++plain;
     const Decimal read = read_decimal(text);
@@ -108,7 +109,9 @@ TEST(ReadDecimal, PlainNumbersReadTheSame) {
   for (const std::string text : {"", "-", ".", "-.", "+1", "X1", "1234567890123456", "--1"}) {
     double value = 7;
     int decimals = 0;
-    EXPECT_EQ(read_plain_decimal(text.data(), text.data(), text.data() + text.size(), value, decimals), nullptr) << text;
+    EXPECT_EQ(read_plain_decimal(text.data(), text.data(), text.data() + text.size(), value, decimals),
+              nullptr)
+        << text;
   }
 }
 
@@ -116,7 +119,8 @@ TEST(ReadDecimal, PlainNumbersReadTheSame) {
 TEST(ReadDecimal, PlainNumbersReadTheSameWhereverTheyStand) {
   std::mt19937_64 rng{7};
   for (int k = 0; k < 10 * kDraws; ++k) {
-    const std::string number = draw_decimal(rng, 5, 6), behind = std::string(" .-Z7\x80\n9").substr(rng() % 8);
+    const std::string number = draw_decimal(rng, 5, 6),
+                      behind = std::string(" .-Z7\x80\n9").substr(rng() % 8);
     const std::string before(rng() % 10, '5');
     const std::string text = before + number + behind.substr(0, rng() % 4);
     const char* const at = text.data() + before.size();

@@ -42,8 +42,8 @@ struct RewriteReport {
   double cycle_residual = 0;      ///< mm, inside canned cycles (rigid shift)
   std::uint64_t held_blocks = 0;  ///< or records, with a rotary axis held near a singularity
   double shortest_split = 0;      ///< mm, 0 = nothing split
-  /// How much farther off the tool is, at the worst of the places where the corrections were largest, per mm that
-  /// the stated work offset or gauge length differs from the true one; mm per mm. None with rotary axes.
+  /// How much farther off the tool is, at the worst of the places where the corrections were largest, per mm
+  /// that the stated work offset or gauge length differs from the true one; mm per mm. None with rotary axes.
   struct Sensitivity {
     double offset = 0, length = 0;
   };

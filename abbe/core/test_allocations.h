@@ -25,7 +25,8 @@ inline std::size_t allocations = 0;
 
 }  // namespace abbe
 
-#if ABBE_COUNTS_ALLOCATIONS  // the sanitizer has operators of its own, and does not like half of them replaced
+#if ABBE_COUNTS_ALLOCATIONS  // the sanitizer has operators of its own, and does not like half of them
+                             // replaced
 // Out of line, or the compiler pairs malloc with delete and complains.
 [[gnu::noinline]] void* operator new(std::size_t size) {
   ++abbe::allocations;

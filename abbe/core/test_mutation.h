@@ -5,8 +5,8 @@
 
 namespace abbe::test {
 
-/// `text` with up to four small damages: a byte replaced, a few removed, a piece of it inserted. Test support for
-/// readers that must be total.
+/// `text` with up to four small damages: a byte replaced, a few removed, a piece of it inserted. Test support
+/// for readers that must be total.
 inline std::string damaged(std::string text, std::mt19937& random, int damages) {
   for (int k = 0; k < damages && !text.empty(); ++k) {
     const std::size_t at = random() % text.size();

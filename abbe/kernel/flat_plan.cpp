@@ -20,7 +20,8 @@ struct alignas(64) Row {
 
 [[nodiscard]] FlatOp::About about(const Vec3& u) {
   for (int k = 0; k < 3; ++k)
-    if (std::abs(u[k]) == 1 && u[(k + 1) % 3] == 0 && u[(k + 2) % 3] == 0) return static_cast<FlatOp::About>(k);
+    if (std::abs(u[k]) == 1 && u[(k + 1) % 3] == 0 && u[(k + 2) % 3] == 0)
+      return static_cast<FlatOp::About>(k);
   return FlatOp::About::other;
 }
 

@@ -22,10 +22,10 @@ inline constexpr double kSingleMm = 1e-8, kSingleRad = 3e-11, kSinglePart = 4e-6
 ///
 ///   u ( (2 n + 1) sum |c_k| h^k + 2 s sum k |c_k| h^(k-1) )
 ///
-/// and where slopes jump at a knot, and the knot is missed by rounding, once more what may be. A window in which
-/// that is more, or in which the function makes a step, is marked as not for use; one in which only the product
-/// would miss knots by too much has no segments per unit. Segments that reach to infinity end where the bound
-/// does.
+/// and where slopes jump at a knot, and the knot is missed by rounding, once more what may be. A window in
+/// which that is more, or in which the function makes a step, is marked as not for use; one in which only the
+/// product would miss knots by too much has no segments per unit. Segments that reach to infinity end where
+/// the bound does.
 ///
 /// laws   FlatWindows.KeepTheirBound, FlatWindows.KeepTheirBoundAtKnots,
 ///        FlatWindows.FindEquallyWideSegmentsByAProduct, FlatWindows.LeaveStepsToDoublePrecision,

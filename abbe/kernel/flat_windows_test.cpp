@@ -142,7 +142,8 @@ std::uint32_t segment_of(const std::vector<WindowRow>& rows, std::uint32_t first
   return k;
 }
 
-/// Slopes that jump: a knot that is missed shows. Steep ones are left to comparisons, flat ones to the product.
+/// Slopes that jump: a knot that is missed shows. Steep ones are left to comparisons, flat ones to the
+/// product.
 TEST(FlatWindows, KeepTheirBoundAtKnots) {
   std::mt19937 random(10);
   std::uniform_real_distribution<double> near(-1e-4, 1e-4);
@@ -157,8 +158,8 @@ TEST(FlatWindows, KeepTheirBoundAtKnots) {
         const double q = cubics.knots[knot] + near(random), x = q - cubics.knots[first];
         const std::uint32_t k = segment_of(rows, first, static_cast<float>(x));
         const float t = static_cast<float>(x) - row(rows, first, 1).value[k];
-        const float single =
-            row(rows, first, 3 + 2 * kComponents).value[k] * t + row(rows, first, 3 + 3 * kComponents).value[k];
+        const float single = row(rows, first, 3 + 2 * kComponents).value[k] * t +
+                             row(rows, first, 3 + 3 * kComponents).value[k];
         const std::uint32_t true_segment = q >= cubics.knots[knot] ? knot : knot - 1;
         const double expected = cubics.value(true_segment, 0, q - cubics.knots[true_segment]);
         ASSERT_NEAR(single, expected, 2 * (kSingleMm + kSinglePart * 0.02)) << slope << " " << x;

@@ -9,20 +9,20 @@ namespace abbe::kernel {
 
 /// The tool and the axes of a batch.
 struct Setting {
-  double tip[3] = {0, 0, 0};   ///< of the tool, bed frame at home, mm
-  double axis[3] = {0, 0, 1};  ///< from the tip to the spindle
-  double shift[3] = {0, 0, 0};  ///< the tip shall reach nominal + shift, workpiece axes, mm
-  signed char approach[kMaxFlatAxes] = {};  ///< -1, 0, +1 per axis: direction of the last motion
-  std::uint32_t free = 0;       ///< axes that correct_poses may move
-  int exact_steps = 1;          ///< 0: first order only
+  double tip[3] = {0, 0, 0};                  ///< of the tool, bed frame at home, mm
+  double axis[3] = {0, 0, 1};                 ///< from the tip to the spindle
+  double shift[3] = {0, 0, 0};                ///< the tip shall reach nominal + shift, workpiece axes, mm
+  signed char approach[kMaxFlatAxes] = {};    ///< -1, 0, +1 per axis: direction of the last motion
+  std::uint32_t free = 0;                     ///< axes that correct_poses may move
+  int exact_steps = 1;                        ///< 0: first order only
   double max_rotary = 8.726646259971648e-03;  ///< larger rotary corrections are unusual; 0.5 deg
 };
 
 /// How a lane ended.
 enum Lane : unsigned char {
   ordinary = 0,
-  outside = 1,   ///< an error was held beyond its ends
-  unusual = 2,   ///< near a singularity, or not finite: ask abbe::correct
+  outside = 1,  ///< an error was held beyond its ends
+  unusual = 2,  ///< near a singularity, or not finite: ask abbe::correct
 };
 
 /// What one instruction set offers. Positions and results are arrays per axis or component (structure of

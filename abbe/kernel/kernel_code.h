@@ -44,7 +44,7 @@ void store(double* to, std::size_t first, std::size_t count, V v) {
 /// Commands of a packet and the flags of its lanes (bit i = lane i).
 template <class V>
 struct State {
-  const V* q = nullptr;                         ///< per axis
+  const V* q = nullptr;                          ///< per axis
   const double *tip = nullptr, *axis = nullptr;  ///< of the tool
   const signed char* approach = nullptr;
   unsigned outside = 0;
@@ -140,7 +140,8 @@ template <class V>
       for (std::uint32_t power = 1; power < table.row_count; ++power) {
         row += kRow;
         next += kRow;
-        for (int k = 0; k < kComponents; ++k) six[k] = six[k] * t + (later ? all<V>(next[k]) : all<V>(row[k]));
+        for (int k = 0; k < kComponents; ++k)
+          six[k] = six[k] * t + (later ? all<V>(next[k]) : all<V>(row[k]));
       }
     } else {
       alignas(64) double values[lanes_of<V>][kRow];

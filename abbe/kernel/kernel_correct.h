@@ -1,5 +1,5 @@
-// Correction of a packet of poses: a first-order step from the sum of adjoints, then Newton steps on the exact
-// residual with the same Jacobian. See kernel_code.h for what may stand here.
+// Correction of a packet of poses: a first-order step from the sum of adjoints, then Newton steps on the
+// exact residual with the same Jacobian. See kernel_code.h for what may stand here.
 #pragma once
 
 #include "abbe/kernel/kernel_code.h"
@@ -21,8 +21,8 @@ constexpr double kMostStep = 100;
 /// Nominal tip and tool axis, their derivatives by the free axes, and the first-order deviation.
 template <class V>
 struct FirstOrder {
-  Triple<V> p, a;    ///< nominal
-  Triple<V> dp, e;   ///< deviation of the tip, small rotation of the tool; workpiece axes
+  Triple<V> p, a;   ///< nominal
+  Triple<V> dp, e;  ///< deviation of the tip, small rotation of the tool; workpiece axes
   Triple<V> position[kMaxFlatAxes], direction[kMaxFlatAxes];
 };
 
@@ -143,8 +143,8 @@ inline FreeAxes free_axes_of(const FlatView& plan, const Setting& setting) {
   return axes;
 }
 
-/// The inverse of the Jacobian for all steps of a packet: the rotary axes restore the direction, the linear ones
-/// then the position (docs/theory/correction.md, equations 3 to 6).
+/// The inverse of the Jacobian for all steps of a packet: the rotary axes restore the direction, the linear
+/// ones then the position (docs/theory/correction.md, equations 3 to 6).
 template <class V>
 struct Solver {
   static constexpr bool kIsSingle = sizeof(Number<V>) == sizeof(float);

@@ -138,7 +138,8 @@ TEST(Kernels, TipsOfAllKernelsAreTheGeneralTips) {
         for (const Kernel* kernel : kernels()) {
           Vec3 tip;
           unsigned char lane = Lane::ordinary;
-          kernel->one_tip(flat->view(), query.tool.tip.data(), query.approach.data(), query.q.data(), tip.data(), &lane);
+          kernel->one_tip(flat->view(), query.tool.tip.data(), query.approach.data(), query.q.data(),
+                          tip.data(), &lane);
           ASSERT_LE((tip - expected).norm(), kSameTip) << kernel->name << " round " << round;
           ASSERT_EQ(lane == Lane::outside, outside) << kernel->name;
           ++compared;
@@ -161,7 +162,8 @@ TEST(Kernels, NeighboursTogetherAreTheGeneralTips) {
     Query query = random.query(machine, 200, 1.2);
     std::array<std::size_t, 3> axes{};
     for (int i = 0, found = 0; i < machine.axis_count() && found < 3; ++i)
-      if (machine.axis(i).type == AxisType::linear) axes[static_cast<std::size_t>(found++)] = static_cast<std::size_t>(i);
+      if (machine.axis(i).type == AxisType::linear)
+        axes[static_cast<std::size_t>(found++)] = static_cast<std::size_t>(i);
     std::swap(axes[0], axes[2]);
     std::vector<Vec3> at;
     for (int i = 0; i < 1 + round % 8; ++i) at.push_back(random.vector(round % 4 == 0 ? 3000 : 200));
@@ -190,8 +192,8 @@ TEST(Kernels, TipFunctionIsTheGeneralTip) {
   }
 }
 
-/// The first-order step is that of Method::one_step; what a Newton step leaves is a small part of it, and many
-/// steps leave nothing.
+/// The first-order step is that of Method::one_step; what a Newton step leaves is a small part of it, and
+/// many steps leave nothing.
 TEST(Kernels, CorrectPosesIsTheOneStepAndConvergesToTheCorrection) {
   RandomMachine random(13);
   int ordinary_lanes = 0, fine = 0, slow = 0, beyond = 0;

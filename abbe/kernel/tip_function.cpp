@@ -8,7 +8,8 @@ Vec3 TipFunction::operator()(const Query& query, bool* outside) const {
   if (flat_ == nullptr) return actual_tip(plan_, query, outside);
   Vec3 tip;
   unsigned char lane = Lane::ordinary;
-  kernel_->one_tip(flat_->view(), query.tool.tip.data(), query.approach.data(), query.q.data(), tip.data(), &lane);
+  kernel_->one_tip(flat_->view(), query.tool.tip.data(), query.approach.data(), query.q.data(), tip.data(),
+                   &lane);
   if (lane != Lane::ordinary && outside != nullptr) *outside = true;
   const double sum = tip.sum();
   return sum - sum == 0 ? tip : Vec3(Vec3::Zero());
@@ -32,7 +33,8 @@ bool TipFunction::neighbours(const Query& query, const std::array<std::size_t, 3
   std::array<std::array<double, kMost>, 3> found;
   const std::array<double*, 3> to = {found[0].data(), found[1].data(), found[2].data()};
   std::array<unsigned char, kMost> lanes{};
-  kernel_->tips(view, query.tool.tip.data(), query.approach.data(), q.data(), at.size(), to.data(), lanes.data());
+  kernel_->tips(view, query.tool.tip.data(), query.approach.data(), q.data(), at.size(), to.data(),
+                lanes.data());
   for (std::size_t i = 0; i < at.size(); ++i) {
     const Vec3 tip(found[0][i], found[1][i], found[2][i]);
     const double sum = tip.sum();

@@ -19,8 +19,8 @@ struct TipAt {
 /// abbe::actual_tip for many calls: by a kernel where the machine allows it, else by the general walk.
 /// An immutable value, shared by threads.
 ///
-/// laws     TipsOfAllKernelsAreTheGeneralTips, TipFunctionIsTheGeneralTip, NeighboursTogetherAreTheGeneralTips
-/// cost     no allocation
+/// laws     TipsOfAllKernelsAreTheGeneralTips, TipFunctionIsTheGeneralTip,
+/// NeighboursTogetherAreTheGeneralTips cost     no allocation
 class TipFunction {
  public:
   explicit TipFunction(const Plan& plan) : plan_(plan), flat_(FlatPlan::make(plan)), kernel_(&best()) {}
@@ -30,9 +30,9 @@ class TipFunction {
 
   /// Most poses of one call of neighbours().
   static constexpr std::size_t kMost = 8;
-  /// The tips where the three axes `axes` stand at at[i], mm, and all else is as in `query`; to 1e-11 mm what single
-  /// calls give. False: not for this machine.
-  /// cost    a third of single calls where the poses are near each other
+  /// The tips where the three axes `axes` stand at at[i], mm, and all else is as in `query`; to 1e-11 mm what
+  /// single calls give. False: not for this machine. cost    a third of single calls where the poses are near
+  /// each other
   [[nodiscard]] bool neighbours(const Query& query, const std::array<std::size_t, 3>& axes,
                                 std::span<const Vec3> at, std::span<TipAt> tips) const;
 

@@ -67,10 +67,11 @@ void read_control_axis(const TomlEntry& entry, const Body& body, const FileUnits
     }
   }
   if (const auto* value = table.find("resolution")) {
-    axis.resolution = read_quantity(value->value, rotary ? units.angle : units.length, what + ".resolution", findings);
+    axis.resolution =
+        read_quantity(value->value, rotary ? units.angle : units.length, what + ".resolution", findings);
     if (axis.resolution && !(*axis.resolution > 0)) {
-      findings.error("E-CONTROL", value->value.mark, "a resolution is above zero", "it is the control's least increment",
-                     "write for example resolution = 0.001");
+      findings.error("E-CONTROL", value->value.mark, "a resolution is above zero",
+                     "it is the control's least increment", "write for example resolution = 0.001");
     }
   }
 }
@@ -86,8 +87,9 @@ void read_control_axes(const TomlNode& node, const std::vector<Body>& bodies, co
     const auto body = std::find_if(bodies.begin(), bodies.end(),
                                    [&](const Body& b) { return b.axis >= 0 && b.name == entry.key; });
     if (body == bodies.end()) {
-      findings.error("E-CONTROL", entry.mark, fmt::format("{} is not a moving axis of this chain", in_quotes(entry.key)),
-                     "the control's model is of the same chain", suggestion(entry.key, names, "use " + listed(names)));
+      findings.error(
+          "E-CONTROL", entry.mark, fmt::format("{} is not a moving axis of this chain", in_quotes(entry.key)),
+          "the control's model is of the same chain", suggestion(entry.key, names, "use " + listed(names)));
       continue;
     }
     read_control_axis(entry, *body, units, control.axes[static_cast<std::size_t>(body->axis)], findings);
@@ -113,11 +115,13 @@ ControlModel read_control(const TomlNode& root, const std::vector<Body>& bodies,
   if (const auto* entry = table->find("corrects")) {
     if (expect_kind(entry->value, TomlNode::Kind::array, "control.corrects", findings)) {
       for (const TomlNode& item : entry->value.items) {
-        if (auto name = read_text(item, "an error of control.corrects", findings)) control.corrects.push_back(*name);
+        if (auto name = read_text(item, "an error of control.corrects", findings))
+          control.corrects.push_back(*name);
       }
     }
   }
-  if (const auto* entry = table->find("axis")) read_control_axes(entry->value, bodies, units, control, findings);
+  if (const auto* entry = table->find("axis"))
+    read_control_axes(entry->value, bodies, units, control, findings);
   return control;
 }
 
@@ -132,9 +136,10 @@ void check_corrected_errors(const TomlNode& root, const Machine& machine, Findin
     const auto name = read_error_name(item.text);
     const std::string spelled = name ? to_string(*name) : item.text;
     if (std::find(names.begin(), names.end(), spelled) != names.end()) continue;
-    findings.warning("W-CONTROL", item.mark, fmt::format("no error {} in this machine", in_quotes(item.text)),
-                     "an error that the control corrects and this file states otherwise would be corrected twice",
-                     suggestion(item.text, names, "name the error as in [errors], or remove it"));
+    findings.warning(
+        "W-CONTROL", item.mark, fmt::format("no error {} in this machine", in_quotes(item.text)),
+        "an error that the control corrects and this file states otherwise would be corrected twice",
+        suggestion(item.text, names, "name the error as in [errors], or remove it"));
   }
 }
 

@@ -9,8 +9,8 @@
 namespace abbe {
 
 /// Reads [control] and [control.axis.*]. `bodies` are those of the chain, in its order.
-[[nodiscard]] ControlModel read_control(const TomlNode& root, const std::vector<Body>& bodies, const FileUnits& units,
-                                        Findings& findings);
+[[nodiscard]] ControlModel read_control(const TomlNode& root, const std::vector<Body>& bodies,
+                                        const FileUnits& units, Findings& findings);
 
 /// Reports names in `corrects` that no error of the machine has.
 void check_corrected_errors(const TomlNode& root, const Machine& machine, Findings& findings);

@@ -20,7 +20,9 @@ errors_seen = "body"
 )";
 const std::string kErrors = "[errors]\nEXX = 5\nEC0Y = 30\nEAC = 7\n";
 
-Parsed<Machine> read(const std::string& control) { return read_machine({"m.toml", kAxes + control + kErrors}, std::nullopt, {}); }
+Parsed<Machine> read(const std::string& control) {
+  return read_machine({"m.toml", kAxes + control + kErrors}, std::nullopt, {});
+}
 
 TEST(ControlSection, IsRead) {
   const auto parsed = read(R"([control]
@@ -90,7 +92,8 @@ INSTANTIATE_TEST_SUITE_P(
     Control, ControlMistakes,
     ::testing::Values(Mistake{"Mode", "[control]\nmode = \"TCP\"\n", "E-VALUE", "8:8"},
                       Mistake{"Code", "[control]\ncodes = { Q1 = \"tcp\" }\n", "E-CONTROL", "8:11"},
-                      Mistake{"CodeWithTwoDecimals", "[control]\ncodes = { \"G43.45\" = \"tcp\" }\n", "E-CONTROL", "8:11"},
+                      Mistake{"CodeWithTwoDecimals", "[control]\ncodes = { \"G43.45\" = \"tcp\" }\n",
+                              "E-CONTROL", "8:11"},
                       Mistake{"Axis", "[control.axis.A]\nturning = \"sign\"\n", "E-CONTROL", "7:15"},
                       Mistake{"LinearTurns", "[control.axis.X]\nturning = \"sign\"\n", "E-CONTROL", "8:1"},
                       Mistake{"Resolution", "[control.axis.X]\nresolution = 0\n", "E-CONTROL", "8:14"},

@@ -49,7 +49,8 @@ std::optional<int> work_offset_index(std::string_view name) {
   for (const std::string_view start : {"G54.1P", "G54.1 P", "G154P", "G154 P"}) {
     if (!name.starts_with(start)) continue;
     const auto number = read_number(name.substr(start.size()));
-    if (!number || *number < 1 || *number > kMostFurther || *number != std::floor(*number)) return std::nullopt;
+    if (!number || *number < 1 || *number > kMostFurther || *number != std::floor(*number))
+      return std::nullopt;
     return kFixedWorkOffsets - 1 + static_cast<int>(*number);
   }
   return std::nullopt;

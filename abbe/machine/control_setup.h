@@ -55,8 +55,8 @@ struct ControlSetup {
 inline constexpr int kFixedWorkOffsets = 9;
 /// "G59.3", "G54.1 P12" by that count.
 [[nodiscard]] std::string work_offset_label(int index);
-/// The same the other way round: "G54" .. "G59.3", "G54.1P12" and "G154P12", "G505" .. "G599" (5 .. 99), "G500" (100);
-/// nullopt otherwise.
+/// The same the other way round: "G54" .. "G59.3", "G54.1P12" and "G154P12", "G505" .. "G599" (5 .. 99),
+/// "G500" (100); nullopt otherwise.
 [[nodiscard]] std::optional<int> work_offset_index(std::string_view name);
 
 /// Reads a LinuxCNC tool table ("T1 P1 Z100.5 D10 ; mill gauge=112.4"). Lengths are in mm.
@@ -69,7 +69,8 @@ inline constexpr int kFixedWorkOffsets = 9;
 /// errors   an active G92 offset and work offsets of axes other than X Y Z, which are not followed
 [[nodiscard]] Parsed<ControlSetup> read_parameter_file(const std::string& file, const std::string& text);
 
-/// The number of the tool whose comment says name="DRILL 8.5" (T="DRILL 8.5" in programs); the first of several.
+/// The number of the tool whose comment says name="DRILL 8.5" (T="DRILL 8.5" in programs); the first of
+/// several.
 [[nodiscard]] std::optional<int> tool_named(const std::map<int, ToolEntry>& tools, std::string_view name);
 
 /// The lever arm of the tool in the spindle (docs/machine-file.md, compensate): --gauge, else gauge=, else

@@ -26,10 +26,9 @@ const std::vector<FormKeys> kForms{
     {"forward", {"forward", "backward", "of", "domain", "times", "scope"}},
 };
 
-const std::vector<std::string> kAllKeys{"poly",      "table",    "csv",           "sine",     "grid",
-                                        "forward",   "backward", "interpolation", "periodic", "of",
-                                        "reference", "domain",   "times",         "column",   "at",
-                                        "scope"};
+const std::vector<std::string> kAllKeys{
+    "poly",     "table", "csv",       "sine",   "grid",  "forward", "backward", "interpolation",
+    "periodic", "of",    "reference", "domain", "times", "column",  "at",       "scope"};
 
 constexpr std::string_view kFormList = "a form is one of poly, table, csv, sine, grid, forward and backward";
 
@@ -418,9 +417,10 @@ void FunctionReader::widen_extent(int variable, double lo, double hi) {
 
 FunctionReader::Function FunctionReader::accepted(Function function, Mark mark) {
   if (!function) {
-    findings_.error("E-FUNCTION", mark, fmt::format("the numbers of {} give no usable function", name_),
-                    "some are too large or too close together to calculate with, or the domain holds no part of a table",
-                    "check the numbers and [units]");
+    findings_.error(
+        "E-FUNCTION", mark, fmt::format("the numbers of {} give no usable function", name_),
+        "some are too large or too close together to calculate with, or the domain holds no part of a table",
+        "check the numbers and [units]");
   }
   return function;
 }

@@ -159,8 +159,8 @@ struct BodyNumber {
 /// location names that its order carries (zero-position parts included).
 [[nodiscard]] std::vector<std::string> error_inventory(const Machine& machine);
 
-/// Names of the errors with scope = "test", in file order. They may be looked at, but no command of the machine
-/// may be corrected by them.
+/// Names of the errors with scope = "test", in file order. They may be looked at, but no command of the
+/// machine may be corrected by them.
 [[nodiscard]] std::vector<std::string> errors_of_one_test(const Machine& machine);
 /// E-SCOPE if there are such errors: why this machine commands nothing.
 [[nodiscard]] std::optional<Diagnostic> refusal_of_one_test(const Machine& machine);

@@ -120,10 +120,12 @@ TEST(Machine, AngularErrorsAreNoticedUnlessZero) {
   EXPECT_FALSE(read(five_axis("[errors]\nEXX = 1\n")).value->has_angular_errors());
   EXPECT_FALSE(read(five_axis("[errors]\nEAX = 0\n")).value->has_angular_errors());
   EXPECT_TRUE(read(five_axis("[errors]\nEAX = 1\n")).value->has_angular_errors());
-  EXPECT_TRUE(read(five_axis("[errors]\nECY = { poly = [0, 1], of = \"T1\" }\n")).value->has_angular_errors());
+  EXPECT_TRUE(
+      read(five_axis("[errors]\nECY = { poly = [0, 1], of = \"T1\" }\n")).value->has_angular_errors());
   // squareness in the `line` order tilts the line an axis runs along, not the tool
   EXPECT_FALSE(read(five_axis("[errors]\nEC0Y = 20\n")).value->has_angular_errors());
-  EXPECT_TRUE(read(five_axis("[axis.Y]\nlocation = \"frame\"\n[errors]\nEC0Y = 20\n")).value->has_angular_errors());
+  EXPECT_TRUE(
+      read(five_axis("[axis.Y]\nlocation = \"frame\"\n[errors]\nEC0Y = 20\n")).value->has_angular_errors());
 }
 
 TEST(Machine, FindsAxesByName) {

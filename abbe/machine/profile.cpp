@@ -71,7 +71,8 @@ constexpr MeaningInfo kMeaningInfo[] = {
     {M::copy, "copy", 'G', "P", 0, "without effect on the path"},
     {M::frame_shift, "frame-shift", 'G', "X", kAxes, "shifts the work offset; alone: ends shift and turn"},
     {M::frame_shift_further, "frame-shift-further", 'G', "X", kAxes, "shifts it further"},
-    {M::frame_turn, "frame-turn", 'G', "X", letter_set("R"), "turns coordinates about their zero; alone: ends shift and turn"},
+    {M::frame_turn, "frame-turn", 'G', "X", letter_set("R"),
+     "turns coordinates about their zero; alone: ends shift and turn"},
     {M::frame_turn_further, "frame-turn-further", 'G', "X", letter_set("R"), "turns what is shifted"},
     {M::tcp_on, "tcp-on", 'G', "X", 0, "tool centre point control begins"},
     {M::tcp_off, "tcp-off", 'G', "X", 0, "tool centre point control ends"},
@@ -101,12 +102,16 @@ const MeaningInfo& about(Meaning meaning) { return kMeaningInfo[static_cast<std:
 std::span<const MeaningInfo> all_meanings() { return kMeaningInfo; }
 
 const Profile::Keyword* find_keyword(const Profile& profile, std::string_view name) {
-  const auto at = std::lower_bound(profile.keywords.begin(), profile.keywords.end(), name, [](const auto& keyword, std::string_view key) { return keyword.name < key; });
+  const auto at =
+      std::lower_bound(profile.keywords.begin(), profile.keywords.end(), name,
+                       [](const auto& keyword, std::string_view key) { return keyword.name < key; });
   return at == profile.keywords.end() || at->name != name ? nullptr : &*at;
 }
 
 char find_address(const Profile& profile, std::string_view name) {
-  const auto at = std::lower_bound(profile.addresses.begin(), profile.addresses.end(), name, [](const auto& address, std::string_view key) { return address.name < key; });
+  const auto at =
+      std::lower_bound(profile.addresses.begin(), profile.addresses.end(), name,
+                       [](const auto& address, std::string_view key) { return address.name < key; });
   return at == profile.addresses.end() || at->name != name ? '\0' : at->letter;
 }
 
@@ -121,7 +126,8 @@ CodeName read_code_name(std::string_view text) {
   const auto digit = [](char c) { return c >= '0' && c <= '9'; };
   if (text.size() < 2 || text.size() > 6 || (text[0] != 'G' && text[0] != 'M') || !digit(text[1])) return {};
   std::size_t at = 1, number = 0;
-  while (at < text.size() && digit(text[at])) number = 10 * number + static_cast<std::size_t>(text[at++] - '0');
+  while (at < text.size() && digit(text[at]))
+    number = 10 * number + static_cast<std::size_t>(text[at++] - '0');
   CodeName name{text[0], text[0] == 'G' ? 10 * number : number};
   if (at < text.size()) {
     if (text[0] == 'M' || text[at] != '.' || at + 2 != text.size() || !digit(text[at + 1])) return {};

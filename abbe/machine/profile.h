@@ -23,33 +23,95 @@ using LetterSet = std::uint32_t;
 enum class Meaning : std::uint8_t {
   unknown,
   // motions
-  rapid, line, arc_cw, arc_ccw, no_motion,
-  chip_break, tap_left, fine_bore, drill, drill_dwell, peck, tap, bore, bore_stop, bore_dwell,
+  rapid,
+  line,
+  arc_cw,
+  arc_ccw,
+  no_motion,
+  chip_break,
+  tap_left,
+  fine_bore,
+  drill,
+  drill_dwell,
+  peck,
+  tap,
+  bore,
+  bore_stop,
+  bore_dwell,
   // codes of one block
-  dwell, set_data, home, other_home, local_shift, machine_coordinates, set_position, clear_position,
-  suspend_position, restore_position, exact_stop_once,
+  dwell,
+  set_data,
+  home,
+  other_home,
+  local_shift,
+  machine_coordinates,
+  set_position,
+  clear_position,
+  suspend_position,
+  restore_position,
+  exact_stop_once,
   // modes
-  plane_xy, plane_zx, plane_yz, absolute, incremental, centre_absolute, centre_incremental, inverse_time, per_minute,
-  per_turn, units_inch, units_mm, cutter_off, tool_length, tool_length_minus, tool_length_direct, tool_length_off,
-  retract_initial, retract_r, work_offset, numbered_work_offset, path_control, spindle_mode, radius_mode, rotate,
-  rotate_off, transformation_off, smoothing, copy,
+  plane_xy,
+  plane_zx,
+  plane_yz,
+  absolute,
+  incremental,
+  centre_absolute,
+  centre_incremental,
+  inverse_time,
+  per_minute,
+  per_turn,
+  units_inch,
+  units_mm,
+  cutter_off,
+  tool_length,
+  tool_length_minus,
+  tool_length_direct,
+  tool_length_off,
+  retract_initial,
+  retract_r,
+  work_offset,
+  numbered_work_offset,
+  path_control,
+  spindle_mode,
+  radius_mode,
+  rotate,
+  rotate_off,
+  transformation_off,
+  smoothing,
+  copy,
   // frames made by a word: they replace what stands, or come on top of it
-  frame_shift, frame_shift_further, frame_turn, frame_turn_further, tcp_on, tcp_off,
+  frame_shift,
+  frame_shift_further,
+  frame_turn,
+  frame_turn_further,
+  tcp_on,
+  tcp_off,
   // M codes
-  stop, end, tool_change, set_tool, spindle, coolant, override_switch, signal, call_subprogram,
-  end_subprogram, auxiliary,
+  stop,
+  end,
+  tool_change,
+  set_tool,
+  spindle,
+  coolant,
+  override_switch,
+  signal,
+  call_subprogram,
+  end_subprogram,
+  auxiliary,
 };
 inline constexpr std::size_t kMeanings = static_cast<std::size_t>(Meaning::auxiliary) + 1;
 
-/// How programs with a code are treated (docs/dialects.md): exact at the ends, with splitting (X); kept as arcs (A);
-/// end points only (E); shifted as a whole (S); copied (P); copied with a warning (P!); refused (R).
+/// How programs with a code are treated (docs/dialects.md): exact at the ends, with splitting (X); kept as
+/// arcs (A); end points only (E); shifted as a whole (S); copied (P); copied with a warning (P!); refused
+/// (R).
 struct MeaningInfo {
   Meaning meaning;
-  std::string_view name;      ///< as profiles spell it
-  char kind;                  ///< G or M
+  std::string_view name;  ///< as profiles spell it
+  char kind;              ///< G or M
   std::string_view policy;
-  LetterSet words;            ///< letters the code takes, unless the profile says otherwise
-  std::string_view sense;     ///< for people
+  LetterSet words;         ///< letters the code takes, unless the profile says otherwise
+  std::string_view sense;  ///< for people
 };
 [[nodiscard]] const MeaningInfo& about(Meaning meaning);
 [[nodiscard]] std::span<const MeaningInfo> all_meanings();
@@ -71,82 +133,91 @@ struct CodeRefusal {
 /// What the readers of programs must know of a control: plain values, read from a profile file
 /// (docs/dialects.md). Lengths are mm unless they are digits of the program.
 struct Profile {
-  static constexpr std::size_t kGCodes = 8192;  ///< index = ten times the number: G59.1 = 591
-  static constexpr std::size_t kKeywords = 512; ///< behind them, codes that are words: SUPA
+  static constexpr std::size_t kGCodes = 8192;   ///< index = ten times the number: G59.1 = 591
+  static constexpr std::size_t kKeywords = 512;  ///< behind them, codes that are words: SUPA
   static constexpr std::size_t kMCodes = 1024;
 
   std::string name, title, about;
   std::vector<std::string> sources;
-  std::string file;                ///< where it was read from
+  std::string file;  ///< where it was read from
   std::array<CodeUse, kGCodes + kKeywords> g;
   std::array<CodeUse, kMCodes> m;
   std::vector<CodeRefusal> refusals;
-  LetterSet letters = 0;           ///< value letters of all codes together
+  LetterSet letters = 0;  ///< value letters of all codes together
 
   /// What a dimension word without a decimal point means: `ask` refuses the program (E-DECIMAL).
   enum class IntegerWords : std::uint8_t { units, increments, ask };
   struct Numbers {
     IntegerWords integer_words = IntegerWords::units;
-    int decimals_mm = 4, decimals_inch = 5, decimals_degree = 4, decimals_feed = 4;  ///< digits after the point that are written
-    int digits = 0;              ///< most digits of a number, 0 = any
-    bool finer = true;           ///< words with more decimals are read as they stand; else refused (E-DIGITS)
+    int decimals_mm = 4, decimals_inch = 5, decimals_degree = 4,
+        decimals_feed = 4;  ///< digits after the point that are written
+    int digits = 0;         ///< most digits of a number, 0 = any
+    bool finer = true;      ///< words with more decimals are read as they stand; else refused (E-DIGITS)
   } numbers;
 
-  enum class Skip : std::uint8_t { none, plain, numbered, ignored };  ///< '/': unknown, '/', '/' '/1'..'/9', no meaning
+  enum class Skip : std::uint8_t {
+    none,
+    plain,
+    numbered,
+    ignored
+  };  ///< '/': unknown, '/', '/' '/1'..'/9', no meaning
   struct Text {
-    std::size_t block_bytes = 254;   ///< without the end of line
+    std::size_t block_bytes = 254;              ///< without the end of line
     bool parentheses = true, semicolon = true;  ///< comments ( ), ;
-    bool percent = true;             ///< '%' at both ends
-    bool colon = false;              ///< ":1234" is a program number, too
-    bool program_number = true;      ///< "O1234"
+    bool percent = true;                        ///< '%' at both ends
+    bool colon = false;                         ///< ":1234" is a program number, too
+    bool program_number = true;                 ///< "O1234"
     Skip skip = Skip::plain;
-    bool names = false;              ///< words may have names: "X=10.5", "CR=5", "SUPA", "MSG(..)"; else RS274
+    bool names = false;  ///< words may have names: "X=10.5", "CR=5", "SUPA", "MSG(..)"; else RS274
   } text;
 
-  /// What follows the word of a code: nothing; nothing or "()"; "(..)" or nothing; "=" and a number, "[..]" between.
+  /// What follows the word of a code: nothing; nothing or "()"; "(..)" or nothing; "=" and a number, "[..]"
+  /// between.
   enum class Form : std::uint8_t { alone, empty, arguments, value };
   struct Keyword {
-    std::string name;                ///< capitals
-    std::size_t index = 0;           ///< into `g`
+    std::string name;       ///< capitals
+    std::size_t index = 0;  ///< into `g`
     Form form = Form::alone;
   };
-  std::vector<Keyword> keywords;     ///< in alphabetical order
+  std::vector<Keyword> keywords;  ///< in alphabetical order
   /// A value word with a name: "CR=" is an R.
   struct Address {
     std::string name;
     char letter = 0;
   };
-  std::vector<Address> addresses;    ///< in alphabetical order
+  std::vector<Address> addresses;  ///< in alphabetical order
 
-  /// Radii at both ends of an arc may differ by `tolerance`, by `relative` of the radius if more, never by `limit`.
+  /// Radii at both ends of an arc may differ by `tolerance`, by `relative` of the radius if more, never by
+  /// `limit`.
   struct Arcs {
     double tolerance = 0.0282842712474619, limit = 2.82842712474619, relative = 1e-3;
-    double inch_scale = 2.54;        ///< of the first two where the program is in inches, as the control has it
+    double inch_scale = 2.54;  ///< of the first two where the program is in inches, as the control has it
     bool radius_form = true, helix = true;
-    bool turns = true;               ///< P = number of turns
+    bool turns = true;  ///< P = number of turns
   } arcs;
 
-  /// What R and the bottom of a cycle are for later holes: the numbers as written, read anew in G90 and G91; the
-  /// levels they made; or not to be used in the other mode (refused).
+  /// What R and the bottom of a cycle are for later holes: the numbers as written, read anew in G90 and G91;
+  /// the levels they made; or not to be used in the other mode (refused).
   enum class Sticky : std::uint8_t { numbers, levels, same_mode };
   struct Cycles {
     Sticky sticky = Sticky::numbers;
-    char repeats = 'L';              ///< word that counts holes
-    bool dwell_needed = true;        ///< a dwelling cycle must say P
-    bool xy_only = false;            ///< in other planes refused
-    bool level_below_r = true;       ///< the height before may lie below R; false: refused
+    char repeats = 'L';         ///< word that counts holes
+    bool dwell_needed = true;   ///< a dwelling cycle must say P
+    bool xy_only = false;       ///< in other planes refused
+    bool level_below_r = true;  ///< the height before may lie below R; false: refused
   } cycles;
 
   struct Tools {
-    bool h_needed = false;           ///< G43 without H is refused; false: the tool in the spindle
-    bool z_only = false;             ///< the table's X and Y offsets do not act
-    bool moves = false;              ///< the control may move when an offset changes without a Z word, or not
-    bool change_first = true;        ///< M6 beside a motion comes before it; false: refused
-    bool home_cancels = false;       ///< after a reference return or G53 the offset may be gone
-    /// D: not known; puts the offset of the tool in the spindle in force (D1, D0 none); that of the table's row D.
+    bool h_needed = false;      ///< G43 without H is refused; false: the tool in the spindle
+    bool z_only = false;        ///< the table's X and Y offsets do not act
+    bool moves = false;         ///< the control may move when an offset changes without a Z word, or not
+    bool change_first = true;   ///< M6 beside a motion comes before it; false: refused
+    bool home_cancels = false;  ///< after a reference return or G53 the offset may be gone
+    /// D: not known; puts the offset of the tool in the spindle in force (D1, D0 none); that of the table's
+    /// row D.
     enum class Edges : std::uint8_t { none, tool, table };
-    Edges edges = Edges::none;       ///< with either the offset must be stated after M6 and at the start
-    bool follows_plane = false;      ///< in G18 and G19 the length acts along Y and X: refused
+    Edges edges = Edges::none;            ///< with either the offset must be stated after M6 and at the start
+    bool follows_plane = false;           ///< in G18 and G19 the length acts along Y and X: refused
     bool in_machine_coordinates = false;  ///< it acts there too: refused unless it is zero
   } tools;
 
@@ -156,22 +227,25 @@ struct Profile {
   struct Start {
     Units units = Units::metric;
     Distance distance = Distance::absolute;
-    bool retract_to_r = true;        ///< G99
+    bool retract_to_r = true;  ///< G99
   } start;
 
   struct Offsets {
-    int fixed = 9;                   ///< how many of G54 .. G59.3 exist
-    int further = 0;                 ///< how many beyond them (G54.1 P, G154 P)
-    bool l20_reads = true;           ///< G10 L20 makes the present position read the values; false: it sets a further offset
-    bool keeps_shift = true;         ///< a shift of the program outlives the choice of another offset; false: refused
-    bool p0_active = true;           ///< G10 L2 P0 is the active one; false: the external offset, refused
+    int fixed = 9;    ///< how many of G54 .. G59.3 exist
+    int further = 0;  ///< how many beyond them (G54.1 P, G154 P)
+    bool l20_reads =
+        true;  ///< G10 L20 makes the present position read the values; false: it sets a further offset
+    bool keeps_shift =
+        true;               ///< a shift of the program outlives the choice of another offset; false: refused
+    bool p0_active = true;  ///< G10 L2 P0 is the active one; false: the external offset, refused
   } offsets;
 
   /// A group-0 code that takes axis words may stand beside a motion code, which then only becomes the mode.
   bool home_beside_motion = false;
-  bool feed_of_linear = true;        ///< beside turning axes F is of the linear ones where these move; false: not sure
-  bool rapid_straight = true;        ///< rapids go straight; else their path is the control's
-  bool arc_centre_switch = true;     ///< arcs may have absolute centres (a code says so)
+  bool feed_of_linear =
+      true;  ///< beside turning axes F is of the linear ones where these move; false: not sure
+  bool rapid_straight = true;     ///< rapids go straight; else their path is the control's
+  bool arc_centre_switch = true;  ///< arcs may have absolute centres (a code says so)
 };
 
 /// The word that is a code of this control, or none. `name` in capitals. cost log(count).

@@ -11,7 +11,8 @@ namespace abbe {
 namespace {
 
 /// Codes of refusals a profile may use.
-const std::vector<std::string> kRefusalCodes{"E-GCODE", "E-MCODE", "E-CUTCOM", "E-FRAME", "E-TCP", "E-CYCLE", "E-EXPR", "E-OWORD", "E-ROTARY"};
+const std::vector<std::string> kRefusalCodes{"E-GCODE", "E-MCODE", "E-CUTCOM", "E-FRAME", "E-TCP",
+                                             "E-CYCLE", "E-EXPR",  "E-OWORD",  "E-ROTARY"};
 const std::vector<std::string> kForms{"alone", "empty", "arguments", "value"};  // as Profile::Form
 constexpr std::size_t kLongestName = 32;
 
@@ -23,7 +24,8 @@ std::vector<std::string> meaning_names(char kind) {
   return names;
 }
 
-std::optional<Meaning> read_meaning(const TomlNode& node, char kind, const std::string& what, Findings& findings) {
+std::optional<Meaning> read_meaning(const TomlNode& node, char kind, const std::string& what,
+                                    Findings& findings) {
   const auto names = meaning_names(kind);
   const auto at = read_choice(node, names, what, findings);
   if (!at) return std::nullopt;
@@ -36,17 +38,20 @@ std::optional<Meaning> read_meaning(const TomlNode& node, char kind, const std::
 /// Capitals, digits and '_', two at least, a letter first.
 bool is_name(std::string_view text) {
   const auto letter = [](char c) { return c >= 'A' && c <= 'Z'; };
-  const bool allowed = std::all_of(text.begin(), text.end(), [&](char c) { return letter(c) || c == '_' || (c >= '0' && c <= '9'); });
+  const bool allowed = std::all_of(text.begin(), text.end(),
+                                   [&](char c) { return letter(c) || c == '_' || (c >= '0' && c <= '9'); });
   return allowed && text.size() >= 2 && text.size() <= kLongestName && (letter(text[0]) || text[0] == '_');
 }
 
 /// A code that is a word, new if the profile has not had it.
 Profile::Keyword* keyword_of(std::string_view name, Mark mark, Profile& profile, Findings& findings) {
   auto& words = profile.keywords;
-  const auto at = std::lower_bound(words.begin(), words.end(), name, [](const auto& word, std::string_view key) { return word.name < key; });
+  const auto at = std::lower_bound(words.begin(), words.end(), name,
+                                   [](const auto& word, std::string_view key) { return word.name < key; });
   if (at != words.end() && at->name == name) return &*at;
   if (words.size() == Profile::kKeywords) {
-    findings.error("E-COUNT", mark, fmt::format("more than {} codes that are words", Profile::kKeywords), "", "leave out what programs do not use");
+    findings.error("E-COUNT", mark, fmt::format("more than {} codes that are words", Profile::kKeywords), "",
+                   "leave out what programs do not use");
     return nullptr;
   }
   return &*words.insert(at, {std::string(name), Profile::kGCodes + words.size(), Profile::Form::alone});
@@ -57,13 +62,15 @@ CodeUse* find_code(std::string_view name, Mark mark, Profile& profile, Findings&
   const CodeName code = read_code_name(name);
   if (code.kind == 'G') return &profile.g[code.index];
   if (code.kind == 'M') return &profile.m[code.index];
-  const bool misspelled = name.size() > 1 && (name[0] == 'G' || name[0] == 'M') && name[1] >= '0' && name[1] <= '9';
+  const bool misspelled =
+      name.size() > 1 && (name[0] == 'G' || name[0] == 'M') && name[1] >= '0' && name[1] <= '9';
   if (profile.text.names && is_name(name) && !misspelled) {
     const Profile::Keyword* keyword = keyword_of(name, mark, profile, findings);
     return keyword == nullptr ? nullptr : &profile.g[keyword->index];
   }
   findings.error("E-VALUE", mark, fmt::format("{} is no G or M code", in_quotes(name)),
-                 "codes are G0 to G819 with at most one digit after the point, and M0 to M1023; words where [text] has names = true",
+                 "codes are G0 to G819 with at most one digit after the point, and M0 to M1023; words where "
+                 "[text] has names = true",
                  "write \"G59.1\" or M30, in capitals and without leading zeros");
   return nullptr;
 }
@@ -71,10 +78,13 @@ CodeUse* find_code(std::string_view name, Mark mark, Profile& profile, Findings&
 std::optional<LetterSet> read_letters(const TomlNode& node, const std::string& what, Findings& findings) {
   const auto text = read_text(node, what, findings);
   if (!text) return std::nullopt;
-  const bool letters = std::all_of(text->begin(), text->end(), [](char c) { return c >= 'A' && c <= 'Z' && c != 'G' && c != 'M' && c != 'N' && c != 'O'; });
+  const bool letters = std::all_of(text->begin(), text->end(), [](char c) {
+    return c >= 'A' && c <= 'Z' && c != 'G' && c != 'M' && c != 'N' && c != 'O';
+  });
   if (letters) return letter_set(*text);
-  findings.error("E-VALUE", node.mark, fmt::format("{} is {}, expected capital letters", what, in_quotes(*text)),
-                 "they are the words that belong to the code; G M N O belong to no code", "write words = \"PQ\"");
+  findings.error(
+      "E-VALUE", node.mark, fmt::format("{} is {}, expected capital letters", what, in_quotes(*text)),
+      "they are the words that belong to the code; G M N O belong to no code", "write words = \"PQ\"");
   return std::nullopt;
 }
 
@@ -83,14 +93,16 @@ void read_form(const TomlEntry& entry, bool detailed, Profile& profile, Findings
   const TomlEntry* said = detailed ? entry.value.find("form") : nullptr;
   if (read_code_name(entry.key).kind != 0) {
     if (said != nullptr)
-      findings.error("E-VALUE", said->mark, fmt::format("{} has a number, and so no form", entry.key), "", "remove form");
+      findings.error("E-VALUE", said->mark, fmt::format("{} has a number, and so no form", entry.key), "",
+                     "remove form");
     return;
   }
   Profile::Keyword* keyword = keyword_of(entry.key, entry.mark, profile, findings);
   if (keyword == nullptr) return;
   keyword->form = Profile::Form::alone;
   if (said == nullptr) return;
-  if (const auto at = read_choice(said->value, kForms, "codes." + entry.key + ".form", findings)) keyword->form = static_cast<Profile::Form>(*at);
+  if (const auto at = read_choice(said->value, kForms, "codes." + entry.key + ".form", findings))
+    keyword->form = static_cast<Profile::Form>(*at);
 }
 
 /// `G64 = "path-control"` or `G64 = { meaning = "path-control", words = "PQ" }`.
@@ -103,7 +115,8 @@ void read_code(const TomlEntry& entry, Profile& profile, Findings& findings) {
   if (detailed) {
     refuse_other_keys(entry.value, {"meaning", "words", "number", "form"}, what, findings);
     if (said == nullptr) {
-      findings.error("E-MISSING-KEY", entry.value.mark, fmt::format("no meaning in {}", what), "it says what the code does",
+      findings.error("E-MISSING-KEY", entry.value.mark, fmt::format("no meaning in {}", what),
+                     "it says what the code does",
                      "add meaning = \"copy\" or another of `abbe profiles --meanings`");
       return;
     }
@@ -122,7 +135,8 @@ void read_code(const TomlEntry& entry, Profile& profile, Findings& findings) {
   if (*meaning != Meaning::work_offset) return;
   const TomlEntry* number = detailed ? entry.value.find("number") : nullptr;
   if (number == nullptr) {
-    findings.error("E-MISSING-KEY", entry.value.mark, fmt::format("no number in {}", what), "1 to 9 are G54 to G59.3, 9 + n is the further one n",
+    findings.error("E-MISSING-KEY", entry.value.mark, fmt::format("no number in {}", what),
+                   "1 to 9 are G54 to G59.3, 9 + n is the further one n",
                    "write { meaning = \"work-offset\", number = 1 }");
     return;
   }
@@ -135,21 +149,27 @@ void read_refusal(const TomlNode& table, Profile& profile, Findings& findings) {
   refuse_other_keys(table, {"codes", "error", "why", "fix"}, "[[refused]]", findings);
   const auto text = [&](const char* key) {
     const TomlEntry* entry = table.find(key);
-    if (entry != nullptr) return read_text(entry->value, fmt::format("refused.{}", key), findings).value_or("");
-    findings.error("E-MISSING-KEY", table.mark, fmt::format("no {} in [[refused]]", key), "who is refused must learn why and what to do", fmt::format("add {} = \"..\"", key));
+    if (entry != nullptr)
+      return read_text(entry->value, fmt::format("refused.{}", key), findings).value_or("");
+    findings.error("E-MISSING-KEY", table.mark, fmt::format("no {} in [[refused]]", key),
+                   "who is refused must learn why and what to do", fmt::format("add {} = \"..\"", key));
     return std::string();
   };
   const TomlEntry* codes = table.find("codes");
   if (codes == nullptr || !expect_kind(codes->value, TomlNode::Kind::array, "refused.codes", findings)) {
-    if (codes == nullptr) findings.error("E-MISSING-KEY", table.mark, "no codes in [[refused]]", "they are what is refused", "add codes = [\"G41\", \"G42\"]");
+    if (codes == nullptr)
+      findings.error("E-MISSING-KEY", table.mark, "no codes in [[refused]]", "they are what is refused",
+                     "add codes = [\"G41\", \"G42\"]");
     return;
   }
   CodeRefusal refusal{"", text("why"), text("fix")};
   if (const TomlEntry* error = table.find("error")) {
-    if (const auto at = read_choice(error->value, kRefusalCodes, "refused.error", findings)) refusal.error = kRefusalCodes[*at];
+    if (const auto at = read_choice(error->value, kRefusalCodes, "refused.error", findings))
+      refusal.error = kRefusalCodes[*at];
   }
   if (profile.refusals.size() == 255) {
-    findings.error("E-COUNT", table.mark, "more than 255 [[refused]] tables", "", "put codes with one reason into one table");
+    findings.error("E-COUNT", table.mark, "more than 255 [[refused]] tables", "",
+                   "put codes with one reason into one table");
     return;
   }
   profile.refusals.push_back(std::move(refusal));
@@ -185,9 +205,13 @@ void read_addresses(const TomlNode& root, Profile& profile, Findings& findings) 
                      "names are two or more capitals and digits", "write CR = \"R\"");
     } else if (at) {
       auto& list = profile.addresses;
-      const auto place = std::lower_bound(list.begin(), list.end(), address.key, [](const auto& known, const std::string& key) { return known.name < key; });
-      if (place != list.end() && place->name == address.key) place->letter = letters[*at][0];
-      else list.insert(place, {address.key, letters[*at][0]});
+      const auto place =
+          std::lower_bound(list.begin(), list.end(), address.key,
+                           [](const auto& known, const std::string& key) { return known.name < key; });
+      if (place != list.end() && place->name == address.key)
+        place->letter = letters[*at][0];
+      else
+        list.insert(place, {address.key, letters[*at][0]});
     }
   }
 }

@@ -6,7 +6,8 @@
 
 namespace abbe {
 
-Section::Section(const TomlNode& root, std::string name, const std::vector<std::string>& keys, Findings& findings)
+Section::Section(const TomlNode& root, std::string name, const std::vector<std::string>& keys,
+                 Findings& findings)
     : name_(std::move(name)), findings_(findings) {
   const TomlEntry* entry = root.find(name_);
   if (entry == nullptr || !expect_kind(entry->value, TomlNode::Kind::table, name_, findings)) return;
@@ -38,14 +39,18 @@ void Section::positive(std::string_view key, double& value) const {
   if (*number > 0) {
     value = *number;
   } else {
-    findings_.error("E-VALUE", node->mark, fmt::format("{} is not positive", what(key)), "", "write a positive number");
+    findings_.error("E-VALUE", node->mark, fmt::format("{} is not positive", what(key)), "",
+                    "write a positive number");
   }
 }
 
-std::optional<int> Section::whole_number(const TomlNode& node, const std::string& name, int low, int high) const {
+std::optional<int> Section::whole_number(const TomlNode& node, const std::string& name, int low,
+                                         int high) const {
   if (!expect_kind(node, TomlNode::Kind::number, name, findings_)) return std::nullopt;
   if (node.is_integer && node.integer >= low && node.integer <= high) return static_cast<int>(node.integer);
-  findings_.error("E-VALUE", node.mark, fmt::format("{} is not a whole number from {} to {}", name, low, high), "", "correct the number");
+  findings_.error("E-VALUE", node.mark,
+                  fmt::format("{} is not a whole number from {} to {}", name, low, high), "",
+                  "correct the number");
   return std::nullopt;
 }
 

@@ -44,7 +44,8 @@ class Section {
   [[nodiscard]] std::vector<std::string> texts(std::string_view key) const;
 
  private:
-  [[nodiscard]] std::optional<int> whole_number(const TomlNode& node, const std::string& name, int low, int high) const;
+  [[nodiscard]] std::optional<int> whole_number(const TomlNode& node, const std::string& name, int low,
+                                                int high) const;
 
   std::string name_;
   Findings& findings_;

@@ -1,4 +1,5 @@
-// Profiles as data: what the embedded ones say, how one extends another, and that every mistake has its place.
+// Profiles as data: what the embedded ones say, how one extends another, and that every mistake has its
+// place.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -113,16 +114,26 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{"format = 1\nextends = \"fanuk\"\n", "2:11: error[E-VALUE]", "did you mean 'fanuc'?"},
         Mistake{"format = 1\nextends = \"fanuc\"\ncolour = 1\n", "3:1: error[E-UNKNOWN-KEY]", "colour"},
         Mistake{"format = 1\nextends = \"fanuc\"\n[codes]\nG200.55 = \"copy\"\n", "4:1: error[E-", ""},
-        Mistake{"format = 1\nextends = \"fanuc\"\n[codes]\nX5 = \"copy\"\n", "4:1: error[E-VALUE]", "no G or M code"},
-        Mistake{"format = 1\nextends = \"fanuc\"\n[codes]\nG5 = \"copi\"\n", "4:6: error[E-VALUE]", "did you mean 'copy'?"},
-        Mistake{"format = 1\nextends = \"fanuc\"\n[codes]\nM5 = \"line\"\n", "4:6: error[E-VALUE]", "codes.M5"},
-        Mistake{"format = 1\nextends = \"fanuc\"\n[codes]\nG54 = \"work-offset\"\n", "4:7: error[E-MISSING-KEY]", "number"},
-        Mistake{"format = 1\nextends = \"fanuc\"\n[codes]\nG5 = { meaning = \"copy\", words = \"pq\" }\n", "4:34: error[E-VALUE]", "capital letters"},
-        Mistake{"format = 1\nextends = \"fanuc\"\n[numbers]\ndecimals = { mm = 3.5 }\n", "4:19: error[E-VALUE]", "decimals.mm"},
-        Mistake{"format = 1\nextends = \"fanuc\"\n[text]\nblock_bytes = 1000\n", "4:15: error[E-VALUE]", "block_bytes"},
-        Mistake{"format = 1\nextends = \"fanuc\"\n[arcs]\ntolerance_mm = nan\n", "4:16: error[E-NOT-FINITE]", "tolerance_mm"},
-        Mistake{"format = 1\nextends = \"fanuc\"\n[arcs]\ntolerance_mm = -1\n", "4:16: error[E-VALUE]", "not positive"},
-        Mistake{"format = 1\nextends = \"fanuc\"\n[[refused]]\ncodes = [\"G5\"]\nfix = \"x\"\n", "3:1: error[E-MISSING-KEY]", "no why"},
+        Mistake{"format = 1\nextends = \"fanuc\"\n[codes]\nX5 = \"copy\"\n", "4:1: error[E-VALUE]",
+                "no G or M code"},
+        Mistake{"format = 1\nextends = \"fanuc\"\n[codes]\nG5 = \"copi\"\n", "4:6: error[E-VALUE]",
+                "did you mean 'copy'?"},
+        Mistake{"format = 1\nextends = \"fanuc\"\n[codes]\nM5 = \"line\"\n", "4:6: error[E-VALUE]",
+                "codes.M5"},
+        Mistake{"format = 1\nextends = \"fanuc\"\n[codes]\nG54 = \"work-offset\"\n",
+                "4:7: error[E-MISSING-KEY]", "number"},
+        Mistake{"format = 1\nextends = \"fanuc\"\n[codes]\nG5 = { meaning = \"copy\", words = \"pq\" }\n",
+                "4:34: error[E-VALUE]", "capital letters"},
+        Mistake{"format = 1\nextends = \"fanuc\"\n[numbers]\ndecimals = { mm = 3.5 }\n",
+                "4:19: error[E-VALUE]", "decimals.mm"},
+        Mistake{"format = 1\nextends = \"fanuc\"\n[text]\nblock_bytes = 1000\n", "4:15: error[E-VALUE]",
+                "block_bytes"},
+        Mistake{"format = 1\nextends = \"fanuc\"\n[arcs]\ntolerance_mm = nan\n", "4:16: error[E-NOT-FINITE]",
+                "tolerance_mm"},
+        Mistake{"format = 1\nextends = \"fanuc\"\n[arcs]\ntolerance_mm = -1\n", "4:16: error[E-VALUE]",
+                "not positive"},
+        Mistake{"format = 1\nextends = \"fanuc\"\n[[refused]]\ncodes = [\"G5\"]\nfix = \"x\"\n",
+                "3:1: error[E-MISSING-KEY]", "no why"},
         Mistake{"format = 1\nextends = \"fanuc\"\n[text\n", "3:", "E-TOML"}));
 
 TEST(Profiles, AnyBytesGiveAProfileOrReasons) {
@@ -132,8 +143,10 @@ TEST(Profiles, AnyBytesGiveAProfileOrReasons) {
     std::string text = base.substr(0, random() % base.size());
     for (int edit = 0; edit < 4 && !text.empty(); ++edit) {
       const std::size_t at = random() % text.size();
-      if (random() % 2 == 0) text[at] = static_cast<char>(random() % 256);
-      else text.insert(at, std::string(base, random() % base.size(), random() % 40));
+      if (random() % 2 == 0)
+        text[at] = static_cast<char>(random() % 256);
+      else
+        text.insert(at, std::string(base, random() % base.size(), random() % 40));
     }
     const auto parsed = read_profile("fuzz.toml", text);
     EXPECT_EQ(parsed.value.has_value(), !has_errors(parsed.diagnostics));
@@ -154,7 +167,9 @@ TEST(Profiles, CodesMayBeWords) {
   EXPECT_EQ(find_address(*siemens, "CR"), 'R');
   EXPECT_EQ(find_address(*siemens, "C1"), '\0');
   EXPECT_EQ(siemens->g[5990].number, 9 + 99) << "G599";
-  const auto own = read_profile("own.toml", "format = 1\nextends = \"siemens\"\n[codes]\nMSG = \"copy\"\nCUSTOM = { meaning = \"copy\", form = \"value\" }\n[addresses]\nS2 = \"S\"\n");
+  const auto own = read_profile("own.toml",
+                                "format = 1\nextends = \"siemens\"\n[codes]\nMSG = \"copy\"\nCUSTOM = { "
+                                "meaning = \"copy\", form = \"value\" }\n[addresses]\nS2 = \"S\"\n");
   ASSERT_TRUE(own.value);
   EXPECT_EQ(find_keyword(*own.value, "MSG")->form, Profile::Form::alone);
   EXPECT_EQ(find_keyword(*own.value, "CUSTOM")->form, Profile::Form::value);

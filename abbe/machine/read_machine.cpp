@@ -25,11 +25,11 @@ namespace {
 constexpr std::size_t kLargestMachineFile = std::size_t{1} << 24;
 constexpr std::size_t kLargestCsvFile = std::size_t{1} << 26;
 
-const std::vector<std::string> kMachineTables{"format",    "machine",     "units",  "axis",       "tool",
-                                              "workpiece", "calibration", "control",     "errors", "uncertainty",
-                                              "sensors",   "uncertainty_mode"};
-const std::vector<std::string> kErrorTables{"format", "units", "calibration", "errors", "uncertainty", "sensors",
-                                            "uncertainty_mode"};
+const std::vector<std::string> kMachineTables{"format", "machine",     "units",       "axis",
+                                              "tool",   "workpiece",   "calibration", "control",
+                                              "errors", "uncertainty", "sensors",     "uncertainty_mode"};
+const std::vector<std::string> kErrorTables{"format",      "units",   "calibration",     "errors",
+                                            "uncertainty", "sensors", "uncertainty_mode"};
 
 std::optional<TomlNode> read_document(const MachineText& text, Findings& findings) {
   if (text.text.size() > kLargestMachineFile) {

@@ -15,9 +15,9 @@ namespace {
 constexpr int kDeepestExtends = 8;
 constexpr std::size_t kLargestProfile = std::size_t{1} << 20;
 
-const std::vector<std::string> kTables{"format",  "title",  "about",   "sources", "extends", "text",
-                                       "numbers", "arcs",   "cycles",  "tools",   "start",   "offsets",
-                                       "motion",  "codes",  "order",   "refused", "addresses"};
+const std::vector<std::string> kTables{"format",  "title", "about",  "sources", "extends",  "text",
+                                       "numbers", "arcs",  "cycles", "tools",   "start",    "offsets",
+                                       "motion",  "codes", "order",  "refused", "addresses"};
 
 void read_numbers(const TomlNode& root, Profile& profile, Findings& findings) {
   const Section section(root, "numbers", {"integer_words", "decimals", "digits", "finer_words"}, findings);
@@ -26,17 +26,24 @@ void read_numbers(const TomlNode& root, Profile& profile, Findings& findings) {
   section.choice("finer_words", "keep", "refuse", numbers.finer);
   section.whole("digits", numbers.digits, 0, 15);
   const TomlNode* decimals = section.find("decimals");
-  if (decimals == nullptr || !expect_kind(*decimals, TomlNode::Kind::table, "numbers.decimals", findings)) return;
+  if (decimals == nullptr || !expect_kind(*decimals, TomlNode::Kind::table, "numbers.decimals", findings))
+    return;
   refuse_other_keys(*decimals, {"mm", "inch", "degree", "feed"}, "numbers.decimals", findings);
-  for (const auto& [key, value] : {std::pair{"mm", &numbers.decimals_mm}, {"inch", &numbers.decimals_inch}, {"degree", &numbers.decimals_degree}, {"feed", &numbers.decimals_feed}}) {
-    if (const TomlEntry* entry = decimals->find(key)) section.read_whole(entry->value, fmt::format("numbers.decimals.{}", key), *value, 1, 8);
+  for (const auto& [key, value] : {std::pair{"mm", &numbers.decimals_mm},
+                                   {"inch", &numbers.decimals_inch},
+                                   {"degree", &numbers.decimals_degree},
+                                   {"feed", &numbers.decimals_feed}}) {
+    if (const TomlEntry* entry = decimals->find(key))
+      section.read_whole(entry->value, fmt::format("numbers.decimals.{}", key), *value, 1, 8);
   }
 }
 
 /// Texts out of a list of allowed ones; `present` gets those that stand there.
-bool read_subset(const Section& section, std::string_view key, const std::vector<std::string>& allowed, std::vector<bool>& present, Findings& findings) {
+bool read_subset(const Section& section, std::string_view key, const std::vector<std::string>& allowed,
+                 std::vector<bool>& present, Findings& findings) {
   const TomlNode* node = section.find(key);
-  if (node == nullptr || !expect_kind(*node, TomlNode::Kind::array, section.what(key), findings)) return false;
+  if (node == nullptr || !expect_kind(*node, TomlNode::Kind::array, section.what(key), findings))
+    return false;
   present.assign(allowed.size(), false);
   for (const TomlNode& item : node->items) {
     if (const auto at = read_choice(item, allowed, section.what(key), findings)) present[*at] = true;
@@ -45,7 +52,9 @@ bool read_subset(const Section& section, std::string_view key, const std::vector
 }
 
 void read_text_rules(const TomlNode& root, Profile& profile, Findings& findings) {
-  const Section section(root, "text", {"block_bytes", "comments", "percent", "program_number", "block_delete", "names"}, findings);
+  const Section section(root, "text",
+                        {"block_bytes", "comments", "percent", "program_number", "block_delete", "names"},
+                        findings);
   Profile::Text& text = profile.text;
   section.whole("block_bytes", text.block_bytes, 60, 254);
   section.flag("percent", text.percent);
@@ -63,7 +72,10 @@ void read_text_rules(const TomlNode& root, Profile& profile, Findings& findings)
 }
 
 void read_arcs(const TomlNode& root, Profile& profile, Findings& findings) {
-  const Section section(root, "arcs", {"centres", "radius_form", "helix", "turns", "tolerance_mm", "limit_mm", "relative", "inch_scale"}, findings);
+  const Section section(
+      root, "arcs",
+      {"centres", "radius_form", "helix", "turns", "tolerance_mm", "limit_mm", "relative", "inch_scale"},
+      findings);
   Profile::Arcs& arcs = profile.arcs;
   section.choice("centres", "either", "incremental", profile.arc_centre_switch);
   section.flag("radius_form", arcs.radius_form);
@@ -76,7 +88,8 @@ void read_arcs(const TomlNode& root, Profile& profile, Findings& findings) {
 }
 
 void read_cycles(const TomlNode& root, Profile& profile, Findings& findings) {
-  const Section section(root, "cycles", {"repeats", "sticky", "dwell_needed", "xy_only", "level_below_r"}, findings);
+  const Section section(root, "cycles", {"repeats", "sticky", "dwell_needed", "xy_only", "level_below_r"},
+                        findings);
   bool with_l = profile.cycles.repeats == 'L';
   section.choice("repeats", "L", "K", with_l);
   profile.cycles.repeats = with_l ? 'L' : 'K';
@@ -87,7 +100,10 @@ void read_cycles(const TomlNode& root, Profile& profile, Findings& findings) {
 }
 
 void read_states(const TomlNode& root, Profile& profile, Findings& findings) {
-  const Section tools(root, "tools", {"h_needed", "z_only", "moves", "change_first", "home_cancels", "edges", "follows_plane", "in_machine_coordinates"}, findings);
+  const Section tools(root, "tools",
+                      {"h_needed", "z_only", "moves", "change_first", "home_cancels", "edges",
+                       "follows_plane", "in_machine_coordinates"},
+                      findings);
   tools.flag("h_needed", profile.tools.h_needed);
   tools.flag("z_only", profile.tools.z_only);
   tools.flag("moves", profile.tools.moves);
@@ -124,18 +140,21 @@ void complete(Profile& profile) {
     profile.letters |= use.words;
   }
   for (CodeUse& use : profile.m) {
-    use.after = use.after || use.meaning == Meaning::stop || use.meaning == Meaning::end || use.meaning == Meaning::call_subprogram || use.meaning == Meaning::end_subprogram;
+    use.after = use.after || use.meaning == Meaning::stop || use.meaning == Meaning::end ||
+                use.meaning == Meaning::call_subprogram || use.meaning == Meaning::end_subprogram;
     profile.letters |= use.words;
   }
 }
 
 void apply(const TomlNode& root, Profile& profile, Findings& findings) {
   const auto text = [&](const char* key, std::string& value) {
-    if (const TomlEntry* entry = root.find(key)) value = read_text(entry->value, key, findings).value_or(value);
+    if (const TomlEntry* entry = root.find(key))
+      value = read_text(entry->value, key, findings).value_or(value);
   };
   text("title", profile.title);
   text("about", profile.about);
-  if (const TomlEntry* sources = root.find("sources"); sources != nullptr && expect_kind(sources->value, TomlNode::Kind::array, "sources", findings)) {
+  if (const TomlEntry* sources = root.find("sources");
+      sources != nullptr && expect_kind(sources->value, TomlNode::Kind::array, "sources", findings)) {
     profile.sources.clear();
     for (const TomlNode& item : sources->value.items) {
       if (auto source = read_text(item, "sources", findings)) profile.sources.push_back(std::move(*source));
@@ -166,18 +185,22 @@ std::string_view embedded_text(std::string_view name) {
 }
 
 /// False after a mistake. `depth` guards against embedded profiles that extend each other in a circle.
-bool read_layer(const std::string& file, std::string_view text, int depth, Profile& profile, Diagnostics& out) {
+bool read_layer(const std::string& file, std::string_view text, int depth, Profile& profile,
+                Diagnostics& out) {
   Findings findings(file, text, out);
   if (text.size() > kLargestProfile) {
-    findings.error("E-FILE", {}, fmt::format("{} bytes are too many for a profile", text.size()), "", "check that the right file is named");
+    findings.error("E-FILE", {}, fmt::format("{} bytes are too many for a profile", text.size()), "",
+                   "check that the right file is named");
     return false;
   }
   const auto root = read_toml(text, findings);
   if (!root) return false;
   refuse_other_keys(*root, kTables, "the profile", findings);
   const TomlEntry* format = root->find("format");
-  if (format == nullptr || format->value.kind != TomlNode::Kind::number || !format->value.is_integer || format->value.integer != 1) {
-    findings.error("E-FORMAT", format == nullptr ? Mark{1, 1, 1} : format->value.mark, "format = 1 is missing", "formats may change; the number says how to read the file",
+  if (format == nullptr || format->value.kind != TomlNode::Kind::number || !format->value.is_integer ||
+      format->value.integer != 1) {
+    findings.error("E-FORMAT", format == nullptr ? Mark{1, 1, 1} : format->value.mark,
+                   "format = 1 is missing", "formats may change; the number says how to read the file",
                    "begin the file with format = 1");
   }
   if (const TomlEntry* extends = root->find("extends")) {
@@ -186,7 +209,8 @@ bool read_layer(const std::string& file, std::string_view text, int depth, Profi
     if (!at || depth == kDeepestExtends) return false;
     if (!read_layer(names[*at] + ".toml", embedded_text(names[*at]), depth + 1, profile, out)) return false;
   } else if (root->find("codes") == nullptr) {
-    findings.error("E-MISSING-KEY", Mark{1, 1, 1}, "no [codes] and no extends", "without codes every program is refused",
+    findings.error("E-MISSING-KEY", Mark{1, 1, 1}, "no [codes] and no extends",
+                   "without codes every program is refused",
                    "add extends = \"fanuc\", or list the control's codes");
   }
   apply(*root, profile, findings);
@@ -219,7 +243,8 @@ std::shared_ptr<const Profile> embedded_profile(std::string_view name) {
     Profiles read;
     for (const EmbeddedProfile& embedded : embedded_profiles()) {
       auto parsed = read_profile(std::string(embedded.name) + ".toml", embedded.text);
-      if (parsed.value) read.emplace(embedded.name, std::make_shared<const Profile>(std::move(*parsed.value)));
+      if (parsed.value)
+        read.emplace(embedded.name, std::make_shared<const Profile>(std::move(*parsed.value)));
     }
     return read;
   }();

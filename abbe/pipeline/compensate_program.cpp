@@ -19,7 +19,8 @@ namespace {
 constexpr std::size_t kFigureSamples = 6000;
 constexpr std::size_t kSidecarLimit = std::size_t{1} << 24;
 
-Diagnostic about(const std::string& file, const char* code, std::string message, std::string why, std::string fix) {
+Diagnostic about(const std::string& file, const char* code, std::string message, std::string why,
+                 std::string fix) {
   Diagnostic d;
   d.code = code;
   d.place.file = file;
@@ -43,7 +44,9 @@ struct Run {
     fail(error.missing || error.unsuitable ? ProgramEnd::invalid : ProgramEnd::io,
          about(path, "E-FILE", error.message, "", "check the path, the permissions and the free space"));
   }
-  void add(const Diagnostics& list) { outcome.diagnostics.insert(outcome.diagnostics.end(), list.begin(), list.end()); }
+  void add(const Diagnostics& list) {
+    outcome.diagnostics.insert(outcome.diagnostics.end(), list.begin(), list.end());
+  }
 
   [[nodiscard]] ProgramReport report(const char* verb, const std::string& output) const {
     ProgramReport report;
@@ -115,7 +118,8 @@ bool paths_are_apart(Run& run, const Input& input) {
   if (!job.figure.empty() && job.figure != "-") outputs.emplace_back(job.figure, "--figure");
   if (job.header == HeaderForm::sidecar && !job.output.empty()) {
     if (job.output == "-") {
-      run.fail(ProgramEnd::invalid, about("--header", "E-USAGE", "a sidecar needs an output with a name", "", "name the output with -o"));
+      run.fail(ProgramEnd::invalid, about("--header", "E-USAGE", "a sidecar needs an output with a name", "",
+                                          "name the output with -o"));
       return false;
     }
     outputs.emplace_back(job.output + ".abbe.json", "--header sidecar");
@@ -125,13 +129,17 @@ bool paths_are_apart(Run& run, const Input& input) {
   for (std::size_t i = 0; i < outputs.size(); ++i) {
     for (const auto& read : inputs) {
       if (!same_file(outputs[i].first, read)) continue;
-      run.fail(ProgramEnd::refused, about(outputs[i].first, "E-SAME", fmt::format("{} names an input ({})", outputs[i].second, read),
+      run.fail(ProgramEnd::refused, about(outputs[i].first, "E-SAME",
+                                          fmt::format("{} names an input ({})", outputs[i].second, read),
                                           "an input is never overwritten", "name another file"));
       return false;
     }
     for (std::size_t k = 0; k < i; ++k) {
       if (outputs[i].first != outputs[k].first && !same_file(outputs[i].first, outputs[k].first)) continue;
-      run.fail(ProgramEnd::invalid, about(outputs[i].first, "E-SAME", fmt::format("{} and {} name the same file", outputs[k].second, outputs[i].second), "", "name different files"));
+      run.fail(ProgramEnd::invalid,
+               about(outputs[i].first, "E-SAME",
+                     fmt::format("{} and {} name the same file", outputs[k].second, outputs[i].second), "",
+                     "name different files"));
       return false;
     }
   }
@@ -149,7 +157,9 @@ bool is_fresh(Run& run, const Input& input) {
   const std::size_t output = json->find("\"output\"");
   if (output == std::string::npos || json->find(input.sha256, output) == std::string::npos) return true;
   run.outcome.rewrite.compensated_input = true;
-  run.fail(ProgramEnd::refused, about(input.name, "E-COMPENSATED", "this program has been compensated already", "compensating twice doubles the correction", "use the original program"));
+  run.fail(ProgramEnd::refused,
+           about(input.name, "E-COMPENSATED", "this program has been compensated already",
+                 "compensating twice doubles the correction", "use the original program"));
   return false;
 }
 
@@ -162,17 +172,25 @@ bool errors_are_of_the_machine(Run& run) {
 
 bool calibration_holds(Run& run) {
   const auto& calibration = run.plan.machine().calibration;
-  if (run.job.today.empty() || calibration.valid_to.empty() || run.job.today <= calibration.valid_to) return true;
-  run.fail(ProgramEnd::refused, about(run.plan.machine().files.empty() ? "machine" : run.plan.machine().files.front(), "E-VALIDITY",
-                                      fmt::format("the calibration was valid to {}, today is {}", calibration.valid_to, run.job.today),
-                                      "the machine may have changed since it was measured", "measure it again, or extend valid_to in [calibration]"));
+  if (run.job.today.empty() || calibration.valid_to.empty() || run.job.today <= calibration.valid_to)
+    return true;
+  run.fail(
+      ProgramEnd::refused,
+      about(run.plan.machine().files.empty() ? "machine" : run.plan.machine().files.front(), "E-VALIDITY",
+            fmt::format("the calibration was valid to {}, today is {}", calibration.valid_to, run.job.today),
+            "the machine may have changed since it was measured",
+            "measure it again, or extend valid_to in [calibration]"));
   return false;
 }
 
 bool unchanged(Run& run, const Input& input) {
   const auto now = identity_of(input.path);
-  if (run.outcome.rewrite.identity == input.identity && run.outcome.verify.original.sha256 == input.sha256 && now && *now == input.identity) return true;
-  run.fail(ProgramEnd::refused, about(input.name, "E-CHANGED", "the program changed while it was read", "what was verified is not what stands there now", "run it again when nobody writes to it"));
+  if (run.outcome.rewrite.identity == input.identity && run.outcome.verify.original.sha256 == input.sha256 &&
+      now && *now == input.identity)
+    return true;
+  run.fail(ProgramEnd::refused,
+           about(input.name, "E-CHANGED", "the program changed while it was read",
+                 "what was verified is not what stands there now", "run it again when nobody writes to it"));
   return false;
 }
 
@@ -220,7 +238,8 @@ VerifyJob verify_job(const ProgramJob& job) {
 }
 
 VerifyReport verified(const Run& run, const VerifyJob& verify, const Progress& progress) {
-  return run.job.cl ? verify_cl_program(run.plan, run.job, verify, progress) : verify_program(run.plan, verify, progress);
+  return run.job.cl ? verify_cl_program(run.plan, run.job, verify, progress)
+                    : verify_program(run.plan, verify, progress);
 }
 
 void finish_reports(Run& run, ProgramReport report, std::vector<Extra>& extras) {
@@ -237,7 +256,8 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   ProgramOutcome& outcome = run.outcome;
   const char* verb = job.output.empty() ? "check" : "compensate";
   const auto input = open_input(run);
-  if (!input || !paths_are_apart(run, *input) || !is_fresh(run, *input) || !calibration_holds(run)) return std::move(run.outcome);
+  if (!input || !paths_are_apart(run, *input) || !is_fresh(run, *input) || !calibration_holds(run))
+    return std::move(run.outcome);
   if (!errors_are_of_the_machine(run)) return std::move(run.outcome);
   auto created = SpoolFile::create(job.output.empty() ? "-" : job.output);
   if (const auto* error = std::get_if<FileError>(&created)) {
@@ -264,7 +284,8 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
     report.rewrite = &source;
     rewrite.header = header_lines(report);
   }
-  outcome.rewrite = job.cl ? rewrite_cl_program(plan, job, rewrite, spool, progress) : rewrite_program(plan, rewrite, spool, progress);
+  outcome.rewrite = job.cl ? rewrite_cl_program(plan, job, rewrite, spool, progress)
+                           : rewrite_program(plan, rewrite, spool, progress);
   run.add(outcome.rewrite.diagnostics);
   outcome.rewrite.sha256_in = input->sha256;
   report.rewrite = &outcome.rewrite;
@@ -282,7 +303,8 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   verify.original_path = input->path;
   verify.original_name = input->name;
   verify.output_path = spool.temporary_path();
-  verify.output_name = job.output.empty() || job.output == "-" ? std::string("(compensated program)") : job.output;
+  verify.output_name =
+      job.output.empty() || job.output == "-" ? std::string("(compensated program)") : job.output;
   outcome.verify = verified(run, verify, progress);
   run.add(outcome.verify.diagnostics);
   report.verify = &outcome.verify;
@@ -290,14 +312,16 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   if (!unchanged(run, *input)) return std::move(run.outcome);
   if (!outcome.verify.agrees) {
     // What the second reader does not understand in the original is no disagreement.
-    const bool refused = std::any_of(outcome.verify.diagnostics.begin(), outcome.verify.diagnostics.end(), [&](const Diagnostic& d) {
-      return d.severity == Severity::error && d.code.starts_with("E-") && d.place.file == input->name;
-    });
+    const bool refused = std::any_of(
+        outcome.verify.diagnostics.begin(), outcome.verify.diagnostics.end(), [&](const Diagnostic& d) {
+          return d.severity == Severity::error && d.code.starts_with("E-") && d.place.file == input->name;
+        });
     return without_output(refused ? ProgramEnd::refused : ProgramEnd::disagrees);
   }
   std::vector<Extra> extras;
   finish_reports(run, report, extras);
-  if (job.header == HeaderForm::sidecar && !job.output.empty()) extras.push_back({job.output + ".abbe.json", outcome.json});
+  if (job.header == HeaderForm::sidecar && !job.output.empty())
+    extras.push_back({job.output + ".abbe.json", outcome.json});
   if (publish(run, job.output.empty() ? nullptr : &spool, extras)) {
     outcome.end = ProgramEnd::done;
   } else {
@@ -308,7 +332,8 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   return std::move(run.outcome);
 }
 
-ProgramOutcome verify_programs(const Plan& plan, const ProgramJob& job, const std::string& output, const Progress& progress) {
+ProgramOutcome verify_programs(const Plan& plan, const ProgramJob& job, const std::string& output,
+                               const Progress& progress) {
   Run run{plan, job, {}};
   VerifyJob verify = verify_job(job);
   verify.original_path = verify.original_name = job.program;
@@ -332,8 +357,11 @@ ProgramOutcome verify_programs(const Plan& plan, const ProgramJob& job, const st
   finish_reports(run, report, extras);
   if (!publish(run, nullptr, extras)) return std::move(run.outcome);
   bool understood = true;
-  for (const auto& d : run.outcome.verify.diagnostics) understood = understood && (d.severity != Severity::error || d.code.rfind("E-", 0) != 0);
-  run.outcome.end = run.outcome.verify.agrees ? ProgramEnd::done : understood ? ProgramEnd::disagrees : ProgramEnd::refused;
+  for (const auto& d : run.outcome.verify.diagnostics)
+    understood = understood && (d.severity != Severity::error || d.code.rfind("E-", 0) != 0);
+  run.outcome.end = run.outcome.verify.agrees ? ProgramEnd::done
+                    : understood              ? ProgramEnd::disagrees
+                                              : ProgramEnd::refused;
   return std::move(run.outcome);
 }
 

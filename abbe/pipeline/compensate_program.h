@@ -21,37 +21,37 @@ enum class HeaderForm { inline_comments, sidecar, none };
 /// What is asked of CL data besides.
 struct ClSetting {
   cl::Conventions conventions;
-  cl::Commands start{};                 ///< where the machine stands: decides the branch of the first pose
+  cl::Commands start{};  ///< where the machine stands: decides the branch of the first pose
 };
 
 /// A program, the machine it runs on, and what is wanted.
 struct ProgramJob {
-  std::string program;                  ///< path, or "-" for standard input
-  std::string output;                   ///< path, "-" for standard output, empty: check only
+  std::string program;  ///< path, or "-" for standard input
+  std::string output;   ///< path, "-" for standard output, empty: check only
   ErrorModel model = ErrorModel::rigid;
   Environment environment;
   ControlSetup setup;
   DatumRule datum = DatumRule::probed;
   bool reversal = false;
-  double tolerance = 1 * um;            ///< mm
-  double max_correction = 500 * um;     ///< mm
-  std::optional<double> limit;          ///< mm: pass or fail of what is left
+  double tolerance = 1 * um;         ///< mm
+  double max_correction = 500 * um;  ///< mm
+  std::optional<double> limit;       ///< mm: pass or fail of what is left
   HeaderForm header = HeaderForm::inline_comments;
-  std::string report, figure;           ///< paths; empty: none
-  std::string version;                  ///< of this program, for header and report
-  std::string today;                    ///< YYYY-MM-DD, to hold against [calibration] valid_to; empty: not checked
-  std::uint64_t trace_line = 0;         ///< explain this line
-  std::optional<ClSetting> cl;          ///< the program is CL data (APT, CLSF), not G code
+  std::string report, figure;    ///< paths; empty: none
+  std::string version;           ///< of this program, for header and report
+  std::string today;             ///< YYYY-MM-DD, to hold against [calibration] valid_to; empty: not checked
+  std::uint64_t trace_line = 0;  ///< explain this line
+  std::optional<ClSetting> cl;   ///< the program is CL data (APT, CLSF), not G code
 };
 
 enum class ProgramEnd { done, io, invalid, refused, outside, disagrees, stopped };
 
 struct ProgramOutcome {
   ProgramEnd end = ProgramEnd::io;
-  Diagnostics diagnostics;              ///< everything found, in order
+  Diagnostics diagnostics;  ///< everything found, in order
   RewriteReport rewrite;
   VerifyReport verify;
-  std::string json, text;               ///< the report, for programs and for people; empty if nothing could be read
+  std::string json, text;  ///< the report, for programs and for people; empty if nothing could be read
 };
 
 /// The whole way of one program: read and rewrite into a spool file, verify the spooled text with the
@@ -59,10 +59,11 @@ struct ProgramOutcome {
 /// errors   see ProgramEnd; nothing is published unless `done`, the input is never written to
 /// cost     constant memory whatever the length
 /// source   docs/architecture.md, the way of a program
-[[nodiscard]] ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const Progress& progress = {});
+[[nodiscard]] ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job,
+                                                const Progress& progress = {});
 
 /// The verification alone, of two existing files.
-[[nodiscard]] ProgramOutcome verify_programs(const Plan& plan, const ProgramJob& job, const std::string& output,
-                                             const Progress& progress = {});
+[[nodiscard]] ProgramOutcome verify_programs(const Plan& plan, const ProgramJob& job,
+                                             const std::string& output, const Progress& progress = {});
 
 }  // namespace abbe

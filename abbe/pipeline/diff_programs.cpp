@@ -19,7 +19,9 @@ constexpr double kNear = 0.6;
 
 bool is_coordinate(char letter) { return letter >= 'I' && letter <= 'K'; }
 bool is_axis(char letter) { return letter >= 'X' && letter <= 'Z'; }
-bool may_change(char letter) { return is_axis(letter) || is_coordinate(letter) || letter == 'R' || letter == 'F'; }
+bool may_change(char letter) {
+  return is_axis(letter) || is_coordinate(letter) || letter == 'R' || letter == 'F';
+}
 
 /// A line kept after the reader went on.
 struct Line {
@@ -77,8 +79,12 @@ std::string number_text(const Block& block, const Word& word) {
   return std::string(block.text.substr(word.number, static_cast<std::size_t>(word.end - word.number)));
 }
 
-bool has_centre(const Block& block) { return find(block, 'I') || find(block, 'J') || find(block, 'K') || find(block, 'R'); }
-bool is_line_or_arc(const Word& word) { return word.letter == 'G' && (word.value == 1 || word.value == 2 || word.value == 3); }
+bool has_centre(const Block& block) {
+  return find(block, 'I') || find(block, 'J') || find(block, 'K') || find(block, 'R');
+}
+bool is_line_or_arc(const Word& word) {
+  return word.letter == 'G' && (word.value == 1 || word.value == 2 || word.value == 3);
+}
 
 /// An arc whose block became the straight move that takes up lost motion before it.
 bool takes_up(const Block& original, const Block& output) {
@@ -105,11 +111,14 @@ std::string skeleton(const Block& block, const Block& other) {
     const Word& word = block.words[static_cast<std::size_t>(i)];
     const bool both = find(other, word.letter) != nullptr;
     // what a split moves to its last piece, and the turns of an arc that was unrolled
-    const bool moved = (became_straight && is_line_or_arc(word)) || (word.letter == 'M' && (word.value <= 2 || word.value == 30 || word.value == 60)) || (word.letter == 'P' && !both);
+    const bool moved = (became_straight && is_line_or_arc(word)) ||
+                       (word.letter == 'M' && (word.value <= 2 || word.value == 30 || word.value == 60)) ||
+                       (word.letter == 'P' && !both);
     put(block.text.substr(at, word.begin - at));
     if (!moved && (!may_change(word.letter) || both)) {
       put(block.text.substr(word.begin, 1));
-      if (!may_change(word.letter)) put(block.text.substr(word.begin + 1u, static_cast<std::size_t>(word.end - word.begin - 1)));
+      if (!may_change(word.letter))
+        put(block.text.substr(word.begin + 1u, static_cast<std::size_t>(word.end - word.begin - 1)));
     }
     at = word.end;
   }
@@ -143,7 +152,8 @@ DiffReport diff_programs(const std::string& original, const std::string& output,
   }
   if (!report.diagnostics.empty()) return report;
   report.readable = report.same_program = true;
-  Lines in(std::move(std::get<LineReader>(first)), profile), out(std::move(std::get<LineReader>(second)), profile);
+  Lines in(std::move(std::get<LineReader>(first)), profile),
+      out(std::move(std::get<LineReader>(second)), profile);
   bool incremental = false;
   std::array<double, 3> at{};  // of the output, program units
   const auto differs = [&](const Line* a, const Line* b, const char* what) {
@@ -154,7 +164,8 @@ DiffReport diff_programs(const std::string& original, const std::string& output,
     d.place.line = b ? b->number : a ? a->number : 0;
     d.place.column = 1;
     if (b) d.place.source_line = std::string(without_eol(b->bytes));
-    d.message = a ? fmt::format("{} (line {} of the original: {})", what, a->number, without_eol(a->bytes)) : std::string(what);
+    d.message = a ? fmt::format("{} (line {} of the original: {})", what, a->number, without_eol(a->bytes))
+                  : std::string(what);
     report.diagnostics.push_back(std::move(d));
   };
   const auto note = [&](const Line& a, const Line& b) {
@@ -163,8 +174,14 @@ DiffReport diff_programs(const std::string& original, const std::string& output,
       if (!may_change(after.letter)) continue;
       const Word* before = find(a.block, after.letter);
       if (before && number_text(a.block, *before) == number_text(b.block, after)) continue;
-      WordChange change{a.number, b.number, after.letter, before == nullptr, before ? before->value : 0.0, after.value,
-                        before ? number_text(a.block, *before) : "", number_text(b.block, after)};
+      WordChange change{a.number,
+                        b.number,
+                        after.letter,
+                        before == nullptr,
+                        before ? before->value : 0.0,
+                        after.value,
+                        before ? number_text(a.block, *before) : "",
+                        number_text(b.block, after)};
       ++(change.added ? report.added_words : report.changed_words);
       if (before && is_axis(after.letter) && !incremental) {
         const auto k = static_cast<std::size_t>(after.letter - 'X');
@@ -214,7 +231,8 @@ DiffReport diff_programs(const std::string& original, const std::string& output,
     Line kept = whole;
     static_cast<void>(split_words(whole_view, profile, kept.block));
     const std::array<double, 3> start = at;
-    const bool closed = has_centre(kept.block) && !find(kept.block, 'X') && !find(kept.block, 'Y') && !find(kept.block, 'Z');
+    const bool closed =
+        has_centre(kept.block) && !find(kept.block, 'X') && !find(kept.block, 'Y') && !find(kept.block, 'Z');
     const auto reached = [&](const Block& block) {
       bool near = true;
       for (std::size_t k = 0; k < 3; ++k) {

@@ -21,12 +21,14 @@ struct Structure {
   const char* chain;
   char tilt, turn;  ///< the axis that tilts the tool against the work, and the other one
 };
-constexpr Structure kStructures[] = {{"w C A b Y X Z t", 'A', 'C'}, {"w C B b X Y Z t", 'B', 'C'}, {"w b X Y Z C B t", 'B', 'C'},
-                                     {"w b X Y Z C A t", 'A', 'C'}, {"w C b X Y Z B t", 'B', 'C'}, {"w C X b Y Z B t", 'B', 'C'},
+constexpr Structure kStructures[] = {{"w C A b Y X Z t", 'A', 'C'}, {"w C B b X Y Z t", 'B', 'C'},
+                                     {"w b X Y Z C B t", 'B', 'C'}, {"w b X Y Z C A t", 'A', 'C'},
+                                     {"w C b X Y Z B t", 'B', 'C'}, {"w C X b Y Z B t", 'B', 'C'},
                                      {"w A b X Y Z B t", 'B', 'A'}};
 
 /// Errors of every axis as polynomials and sines; location errors of the rotary axes.
-std::string machine_text(Random& random, const Structure& structure, const std::string& control, double scale = 1) {
+std::string machine_text(Random& random, const Structure& structure, const std::string& control,
+                         double scale = 1) {
   const std::string chain = structure.chain;
   std::string text = fmt::format("format = 1\n[machine]\nname = \"five axes\"\nchain = \"{}\"\n", chain);
   const std::size_t bed = chain.find('b');
@@ -37,17 +39,19 @@ std::string machine_text(Random& random, const Structure& structure, const std::
     if (at == std::string::npos) continue;
     const bool rotary = axis <= 'C';
     text += fmt::format("[axis.{}]\n", axis);
-    text += rotary ? fmt::format("direction = [{}, {}, {}]\norigin = [{:.2f}, {:.2f}, {:.2f}]\n", axis == 'A' ? 1 : 0, axis == 'B' ? 1 : 0,
-                                 axis == 'C' ? 1 : 0, random.between(-20, 20), random.between(-20, 20), random.between(-150, 150))
+    text += rotary ? fmt::format("direction = [{}, {}, {}]\norigin = [{:.2f}, {:.2f}, {:.2f}]\n",
+                                 axis == 'A' ? 1 : 0, axis == 'B' ? 1 : 0, axis == 'C' ? 1 : 0,
+                                 random.between(-20, 20), random.between(-20, 20), random.between(-150, 150))
                    : "range = [-1500, 1500]\n";
     if (at < bed) text += "errors_seen = \"body\"\n";
     for (const char direction : {'X', 'Y', 'Z', 'A', 'B', 'C'}) {
       if (random.chance(0.3)) continue;
       if (rotary) {
-        errors += fmt::format("E{}{} = {{ sine = [{:.4f}, {:.9f}, {:.4f}] }}\n", direction, axis, size(direction >= 'X' ? 6 : 15), deg,
-                              random.between(-3, 3));
+        errors += fmt::format("E{}{} = {{ sine = [{:.4f}, {:.9f}, {:.4f}] }}\n", direction, axis,
+                              size(direction >= 'X' ? 6 : 15), deg, random.between(-3, 3));
       } else {
-        errors += fmt::format("E{}{} = {{ poly = [0, {:.6f}, {:.9f}] }}\n", direction, axis, size(0.04), size(4e-5));
+        errors += fmt::format("E{}{} = {{ poly = [0, {:.6f}, {:.9f}] }}\n", direction, axis, size(0.04),
+                              size(4e-5));
       }
     }
   }
@@ -68,7 +72,8 @@ class Writer {
       : random_(random), structure_(structure), tilt_low_(near_singularity ? -20 : 12) {}
 
   std::string write(int blocks, bool inverse_time) {
-    text_ = fmt::format("G21 G90 G17 G54 G94\nT1 M6\nG43 H1\nG0 {}{} {}0 X0 Y0\nG0 Z60\nF800 S1000 M3\n", structure_.tilt, tilt_, structure_.turn);
+    text_ = fmt::format("G21 G90 G17 G54 G94\nT1 M6\nG43 H1\nG0 {}{} {}0 X0 Y0\nG0 Z60\nF800 S1000 M3\n",
+                        structure_.tilt, tilt_, structure_.turn);
     for (int i = 0; i < blocks; ++i) block(inverse_time);
     return text_ + "G0 Z80\nM5\nM30\n";
   }
@@ -96,17 +101,27 @@ class Writer {
     return words;
   }
   void block(bool inverse_time) {
-    const std::string g93 = inverse_time ? "G93 " : "", f = inverse_time ? fmt::format(" F{:.2f}", random_.between(1, 6)) : "";
+    const std::string g93 = inverse_time ? "G93 " : "",
+                      f = inverse_time ? fmt::format(" F{:.2f}", random_.between(1, 6)) : "";
     const std::string after = inverse_time ? "\nG94 F800" : "";
     switch (random_.below(9)) {
-      case 0: text_ += "G0" + moved(linear(60) + turning(40)); break;
-      case 1: text_ += "G1" + moved(linear(100)); break;
-      case 2: text_ += fmt::format("N{} G1 M8{} (turned)\n", random_.below(900), moved(turning(30), false)); break;
+      case 0:
+        text_ += "G0" + moved(linear(60) + turning(40));
+        break;
+      case 1:
+        text_ += "G1" + moved(linear(100));
+        break;
+      case 2:
+        text_ += fmt::format("N{} G1 M8{} (turned)\n", random_.below(900), moved(turning(30), false));
+        break;
       case 3:
         at_.x() = std::round((at_.x() + 6) * 1e3) / 1e3;
         text_ += fmt::format("G2 X{:.3f} I3 J0\n", at_.x());
         break;
-      case 8: text_ += fmt::format("G98 G81 X{:.3f} Y{:.3f} R{:.3f} Z{:.3f}\nG80\n", at_.x(), at_.y(), at_.z() - 1, at_.z() - 3); break;
+      case 8:
+        text_ += fmt::format("G98 G81 X{:.3f} Y{:.3f} R{:.3f} Z{:.3f}\nG80\n", at_.x(), at_.y(), at_.z() - 1,
+                             at_.z() - 3);
+        break;
       default: {
         at_.x() = std::round((at_.x() + (at_.x() > 0 ? -30 : 30)) * 1e3) / 1e3;
         text_ += fmt::format("{}G1 X{:.3f}{}{}{}\n", g93, at_.x(), turning(25), f, after);
@@ -114,7 +129,9 @@ class Writer {
       }
     }
   }
-  static std::string moved(const std::string& words, bool end = true) { return (words.empty() ? " Z60" : words) + (end ? "\n" : ""); }
+  static std::string moved(const std::string& words, bool end = true) {
+    return (words.empty() ? " Z60" : words) + (end ? "\n" : "");
+  }
 
   Random& random_;
   Structure structure_;
@@ -145,8 +162,10 @@ TEST(FiveAxisPrograms, AreVerifiedOnMachinesOfEveryStructure) {
     const std::string machine = machine_text(random, structure, control_of(random));
     const std::string program = Writer(random, structure, seed % 5 == 0).write(12, seed % 3 == 0);
     const ProgramRun result = run(machine, program);
-    ASSERT_EQ(result.outcome.end, ProgramEnd::done)
-        << "seed " << seed << "\n" << findings(result.outcome) << machine << "\n----\n" << program << "\n----\n" << result.output;
+    ASSERT_EQ(result.outcome.end, ProgramEnd::done) << "seed " << seed << "\n"
+                                                    << findings(result.outcome) << machine << "\n----\n"
+                                                    << program << "\n----\n"
+                                                    << result.output;
     EXPECT_LE(result.outcome.verify.after.max, result.outcome.verify.allowed) << "seed " << seed;
     EXPECT_GT(result.outcome.verify.before.max, result.outcome.verify.after.max) << "seed " << seed;
     ++done;
@@ -170,9 +189,11 @@ TEST(FiveAxisPrograms, AMachineWithoutErrorsChangesNoByte) {
 TEST(FiveAxisPrograms, OppositeErrorsAreNotVerified) {
   for (std::uint64_t seed = 1; seed <= 28; ++seed) {
     const Structure& structure = kStructures[seed % std::size(kStructures)];
-    const std::string control = seed % 2 == 0 ? "[control]\nmode = \"tcp\"\n" : "[control]\nmode = \"axis\"\n";
+    const std::string control =
+        seed % 2 == 0 ? "[control]\nmode = \"tcp\"\n" : "[control]\nmode = \"axis\"\n";
     Random random(seed), same(seed);
-    const std::string machine = machine_text(random, structure, control), opposite = machine_text(same, structure, control, -1);
+    const std::string machine = machine_text(random, structure, control),
+                      opposite = machine_text(same, structure, control, -1);
     const std::string program = Writer(random, structure, false).write(12, true);
     EXPECT_EQ(run(machine, program, opposite).outcome.end, ProgramEnd::disagrees) << "seed " << seed;
   }
@@ -232,24 +253,47 @@ TEST_P(TurningCases, ComeOutRightOrNotAtAll) {
 INSTANTIATE_TEST_SUITE_P(
     FiveAxis, TurningCases,
     ::testing::Values(
-        TurningCase{"TcpWhileARotaryAxisIsUnknown", kStart + "A30\nT1 M6\nG0 X10 Y20 Z50\nM428\nG0 A0 C0\nG1 X40 F500\nM2\n",
+        TurningCase{"TcpWhileARotaryAxisIsUnknown",
+                    kStart + "A30\nT1 M6\nG0 X10 Y20 Z50\nM428\nG0 A0 C0\nG1 X40 F500\nM2\n",
                     ProgramEnd::refused, "E-POS", ""},
-        TurningCase{"TcpOnTurnedAxesNeedsAllLinearOnes", kStart + "A30\nM428\nG1 X40 F500\nM2\n", ProgramEnd::refused, "E-POS", ""},
-        TurningCase{"TcpOnTurnedAxesThenAllNamed", kStart + "A30\nM428\nG0 X40 Y20 Z60\nG1 X30 F500\nM2\n", ProgramEnd::done, "", "M428\nG0 X"},
-        TurningCase{"RotaryFeedThatReturnsToItsStart", kStart + "G1 C360 F360\nM2\n", ProgramEnd::done, "", "\nG93\n"},
-        TurningCase{"StopBehindAStatedTime", kStart + "G1 A20 F300 M9\nM2\n", ProgramEnd::done, "", "\nG94 F300.0"},
-        TurningCase{"EndBehindAStatedTime", kStart + "G1 A20 F300 M2\n", ProgramEnd::done, "", "\nG94 F300.0 M2\n"},
-        TurningCase{"OwnG94OfATimedBlock", kStart + "G93 G1 X11 F5\nG94 G1 A20 F300\nM2\n", ProgramEnd::refused, "E-ROTFEED", ""},
-        TurningCase{"FeedOfManyDigits", kStart + "G1 A20 F7.874015\nM2\n", ProgramEnd::done, "", "\nG94 F7.874015\n"},
-        TurningCase{"NamedLinearAxesThatStand", kStart + "G91 G1 X0 Y0 Z0 A10 F300\nG90 X10 Y20 Z50 A20\nM2\n", ProgramEnd::done, "", "G93"},
-        TurningCase{"MachineMoveThenTcp", kStart + "G53 G0 Z200\nM428\nG0 X10 Y20 A30 C40\nZ50\nG1 X12 F500\nM2\n", ProgramEnd::done, "", "G53 G0 Z200"},
-        TurningCase{"AnotherLengthInTcp", kStart + "G43 H1\nM428\nG0 A30 X10 Y20 Z50\nG43 H2\nG0 X10 Y20 Z90\nG1 A35 X12 F300\nM2\n", ProgramEnd::done, "", "G43 H2"},
-        TurningCase{"AnotherLengthInTcpNamesNothing", kStart + "G43 H1\nM428\nG0 A30 X10 Y20 Z50\nG43 H2\nG1 A35 F300\nM2\n", ProgramEnd::refused, "E-POS", ""},
-        TurningCase{"ArcAndHoleOnATurnedTable", kStart + "G0 A15 C40\nG2 X14 I2 J0 F200\nG98 G81 X10 Y20 R48 Z45\nG80\nM2\n", ProgramEnd::done, "", "G81"},
+        TurningCase{"TcpOnTurnedAxesNeedsAllLinearOnes", kStart + "A30\nM428\nG1 X40 F500\nM2\n",
+                    ProgramEnd::refused, "E-POS", ""},
+        TurningCase{"TcpOnTurnedAxesThenAllNamed", kStart + "A30\nM428\nG0 X40 Y20 Z60\nG1 X30 F500\nM2\n",
+                    ProgramEnd::done, "", "M428\nG0 X"},
+        TurningCase{"RotaryFeedThatReturnsToItsStart", kStart + "G1 C360 F360\nM2\n", ProgramEnd::done, "",
+                    "\nG93\n"},
+        TurningCase{"StopBehindAStatedTime", kStart + "G1 A20 F300 M9\nM2\n", ProgramEnd::done, "",
+                    "\nG94 F300.0"},
+        TurningCase{"EndBehindAStatedTime", kStart + "G1 A20 F300 M2\n", ProgramEnd::done, "",
+                    "\nG94 F300.0 M2\n"},
+        TurningCase{"OwnG94OfATimedBlock", kStart + "G93 G1 X11 F5\nG94 G1 A20 F300\nM2\n",
+                    ProgramEnd::refused, "E-ROTFEED", ""},
+        TurningCase{"FeedOfManyDigits", kStart + "G1 A20 F7.874015\nM2\n", ProgramEnd::done, "",
+                    "\nG94 F7.874015\n"},
+        TurningCase{"NamedLinearAxesThatStand",
+                    kStart + "G91 G1 X0 Y0 Z0 A10 F300\nG90 X10 Y20 Z50 A20\nM2\n", ProgramEnd::done, "",
+                    "G93"},
+        TurningCase{"MachineMoveThenTcp",
+                    kStart + "G53 G0 Z200\nM428\nG0 X10 Y20 A30 C40\nZ50\nG1 X12 F500\nM2\n",
+                    ProgramEnd::done, "", "G53 G0 Z200"},
+        TurningCase{
+            "AnotherLengthInTcp",
+            kStart + "G43 H1\nM428\nG0 A30 X10 Y20 Z50\nG43 H2\nG0 X10 Y20 Z90\nG1 A35 X12 F300\nM2\n",
+            ProgramEnd::done, "", "G43 H2"},
+        TurningCase{"AnotherLengthInTcpNamesNothing",
+                    kStart + "G43 H1\nM428\nG0 A30 X10 Y20 Z50\nG43 H2\nG1 A35 F300\nM2\n",
+                    ProgramEnd::refused, "E-POS", ""},
+        TurningCase{"ArcAndHoleOnATurnedTable",
+                    kStart + "G0 A15 C40\nG2 X14 I2 J0 F200\nG98 G81 X10 Y20 R48 Z45\nG80\nM2\n",
+                    ProgramEnd::done, "", "G81"},
         TurningCase{"MachineTurnInTcp", kStart + "M428\nG53 G0 A10\nM2\n", ProgramEnd::refused, "E-TCP", ""},
-        TurningCase{"MachineMoveBeyondTheTravel", kStart + "G53 G0 Z700\nM2\n", ProgramEnd::outside, "E-TRAVEL", ""},
-        TurningCase{"MachineTurnBeyondTheTravel", kStart + "G53 G0 A115\nM2\n", ProgramEnd::outside, "E-TRAVEL", ""},
-        TurningCase{"IncrementsFromAPlaceThatIsCopied", kStart + "A30 C20\nG91 G28 X0\nG0 A5 C5\nG90 G0 X10 Y20 Z50\nM2\n", ProgramEnd::done, "", "G91"}),
+        TurningCase{"MachineMoveBeyondTheTravel", kStart + "G53 G0 Z700\nM2\n", ProgramEnd::outside,
+                    "E-TRAVEL", ""},
+        TurningCase{"MachineTurnBeyondTheTravel", kStart + "G53 G0 A115\nM2\n", ProgramEnd::outside,
+                    "E-TRAVEL", ""},
+        TurningCase{"IncrementsFromAPlaceThatIsCopied",
+                    kStart + "A30 C20\nG91 G28 X0\nG0 A5 C5\nG90 G0 X10 Y20 Z50\nM2\n", ProgramEnd::done, "",
+                    "G91"}),
     [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

@@ -45,7 +45,8 @@ struct PoseReport {
 ///
 /// Rapids before the first feed, and motions from or to a place that is not known (G28), are left out, and
 /// the next one is not connected. Canned cycles are followed hole by hole. Direction-dependent errors count
-/// with their mean. A motion has the plan of its start; the datum stays that of the beginning: what drifts later is on the part.
+/// with their mean. A motion has the plan of its start; the datum stays that of the beginning: what drifts
+/// later is on the part.
 ///
 /// errors   what the reader refuses; E-PART-TOOL: a second tool cuts; E-PART-AXES: part axes are not at right
 /// angles;

@@ -1,5 +1,5 @@
-// Random programs in the dialects of controls, on random machines, through the whole way: rewritten, then found to be
-// the same program by the independent reader. Without errors of the machine no byte changes.
+// Random programs in the dialects of controls, on random machines, through the whole way: rewritten, then
+// found to be the same program by the independent reader. Without errors of the machine no byte changes.
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
@@ -34,17 +34,21 @@ struct Style {
 /// A program as CAM systems post it for the control: absolute starts, three or four decimals.
 class DialectWriter {
  public:
-  DialectWriter(Random& random, const Style& style) : random_(random), style_(style), inch_(random.chance(style.inches)) {}
+  DialectWriter(Random& random, const Style& style)
+      : random_(random), style_(style), inch_(random.chance(style.inches)) {}
 
   std::string write(int blocks) {
     if (style_.names) return write_named(blocks);
     if (style_.percent) text_ = "%\nO0007(RANDOM)\n";
     text_ += inch_ ? "G20 G90 G17 G40 G80\n" : "G21 G90 G17 G40\n";
-    if (*style_.further != 0 && random_.chance(0.5)) text_ += fmt::format("{} P2\n", style_.further);
-    else text_ += "G54\n";
+    if (*style_.further != 0 && random_.chance(0.5))
+      text_ += fmt::format("{} P2\n", style_.further);
+    else
+      text_ += "G54\n";
     if (style_.tool_table) text_ += "T1 M6\n";
     text_ += fmt::format("G0 {} {}\n", word('X', 0), word('Y', 0));
-    text_ += fmt::format("{} {} S1000 M3\nG94 F{}\n", style_.tool_table ? "G43 H1" : "", word('Z', 20), inch_ ? "20." : "500.");
+    text_ += fmt::format("{} {} S1000 M3\nG94 F{}\n", style_.tool_table ? "G43 H1" : "", word('Z', 20),
+                         inch_ ? "20." : "500.");
     at_ = Vec3(0, 0, 20);
     for (int i = 0; i < blocks; ++i) block();
     mode(false);
@@ -55,8 +59,10 @@ class DialectWriter {
 
  private:
   std::string write_named(int blocks) {
-    text_ = fmt::format("%_N_RANDOM_MPF\nG17 {} G90 G94 G40 ; random\nT=\"MILL 10\"\nM6\n{} D1\n", inch_ ? "G700" : "G710", random_.chance(0.5) ? "G54" : "G505");
-    text_ += fmt::format("G0 {} {}\nZ={} S1=1000 M1=3\nF{}\n", word('X', 0), word('Y', 0), number(20), inch_ ? "20." : "500.");
+    text_ = fmt::format("%_N_RANDOM_MPF\nG17 {} G90 G94 G40 ; random\nT=\"MILL 10\"\nM6\n{} D1\n",
+                        inch_ ? "G700" : "G710", random_.chance(0.5) ? "G54" : "G505");
+    text_ += fmt::format("G0 {} {}\nZ={} S1=1000 M1=3\nF{}\n", word('X', 0), word('Y', 0), number(20),
+                         inch_ ? "20." : "500.");
     at_ = Vec3(0, 0, 20);
     for (int i = 0; i < blocks; ++i) block();
     mode(false);
@@ -73,7 +79,9 @@ class DialectWriter {
     return fmt::format("{:.{}f}", mm / unit(), decimals());
   }
   [[nodiscard]] std::string word(char letter, double mm) const { return letter + number(mm); }
-  [[nodiscard]] std::string axis_word(int k, double target) const { return word("XYZ"[k], incremental_ ? target - at_[k] : target); }
+  [[nodiscard]] std::string axis_word(int k, double target) const {
+    return word("XYZ"[k], incremental_ ? target - at_[k] : target);
+  }
 
   void mode(bool incremental) {
     if (incremental != incremental_) text_ += incremental ? "G91\n" : "G90\n";
@@ -81,19 +89,41 @@ class DialectWriter {
   }
   Vec3 target(double reach) {
     Vec3 p;
-    for (int k = 0; k < 3; ++k) p[k] = round(std::clamp(at_[k] + random_.between(-reach, reach), k == 2 ? -40.0 : -250.0, k == 2 ? 100.0 : 250.0));
+    for (int k = 0; k < 3; ++k)
+      p[k] = round(std::clamp(at_[k] + random_.between(-reach, reach), k == 2 ? -40.0 : -250.0,
+                              k == 2 ? 100.0 : 250.0));
     return p;
   }
   void block() {
     switch (random_.below(12)) {
-      case 0: mode(!incremental_); break;
-      case 1: text_ += random_.chance(0.5) ? "M8\n" : style_.names ? "N5 MSG(\"a;b\") ; comment\n" : "(COMMENT)\n"; break;
-      case 2: line("G0", 200); break;
-      case 3: case 4: case 5: line("G1", random_.chance(0.4) ? 250 : 20); break;
-      case 6: case 7: case 8: arc(); break;
-      case 9: if (style_.cycles && !inch_) cycle(); break;
-      case 10: if (style_.rotation) rotation(); break;
-      default: text_ += fmt::format("N{} G4 {}\n", random_.below(1000), style_.names ? "F0.5" : "P100"); break;
+      case 0:
+        mode(!incremental_);
+        break;
+      case 1:
+        text_ += random_.chance(0.5) ? "M8\n" : style_.names ? "N5 MSG(\"a;b\") ; comment\n" : "(COMMENT)\n";
+        break;
+      case 2:
+        line("G0", 200);
+        break;
+      case 3:
+      case 4:
+      case 5:
+        line("G1", random_.chance(0.4) ? 250 : 20);
+        break;
+      case 6:
+      case 7:
+      case 8:
+        arc();
+        break;
+      case 9:
+        if (style_.cycles && !inch_) cycle();
+        break;
+      case 10:
+        if (style_.rotation) rotation();
+        break;
+      default:
+        text_ += fmt::format("N{} G4 {}\n", random_.below(1000), style_.names ? "F0.5" : "P100");
+        break;
     }
   }
   void line(const char* code, double reach) {
@@ -105,12 +135,15 @@ class DialectWriter {
       at_[k] = p[k];
     }
     if (words.empty()) return;
-    const char* after = style_.after_codes && random_.chance(0.2) ? (random_.chance(0.5) ? " M9" : " G9 M9") : "";
-    text_ += fmt::format("{}{}{}{}\n", style_.after_codes && random_.chance(0.1) ? "/3" : "", code, words, after);
+    const char* after =
+        style_.after_codes && random_.chance(0.2) ? (random_.chance(0.5) ? " M9" : " G9 M9") : "";
+    text_ +=
+        fmt::format("{}{}{}{}\n", style_.after_codes && random_.chance(0.1) ? "/3" : "", code, words, after);
   }
   void arc() {
     static constexpr int kAxes[3][3] = {{0, 1, 2}, {2, 0, 1}, {1, 2, 0}};
-    const int plane = style_.names ? 0 : random_.below(3), a = kAxes[plane][0], b = kAxes[plane][1], n = kAxes[plane][2];
+    const int plane = style_.names ? 0 : random_.below(3), a = kAxes[plane][0], b = kAxes[plane][1],
+              n = kAxes[plane][2];
     const double r = random_.between(3, plane == 0 ? 80 : 20), t0 = random_.between(0, 6.28);
     const double i = round(-r * std::cos(t0)), j = round(-r * std::sin(t0));
     const bool clockwise = random_.chance(0.5), full = random_.chance(0.3);
@@ -138,7 +171,8 @@ class DialectWriter {
     const double r = round(at_.z() - random_.between(0, 3)), z = round(r - 4);
     const char* const cycles[] = {"G81", "G82 P100", "G85", "G73 Q2.", "G83 Q2."};
     const char* code = cycles[random_.below(5)];
-    text_ += fmt::format("G9{} {} {} {} {} {}\n", 8 + random_.below(2), code, word('X', at_.x()), word('Y', at_.y()), word('R', r), word('Z', z));
+    text_ += fmt::format("G9{} {} {} {} {} {}\n", 8 + random_.below(2), code, word('X', at_.x()),
+                         word('Y', at_.y()), word('R', r), word('Z', z));
     at_.x() = round(at_.x() + 3);
     text_ += fmt::format("{}\n", word('X', at_.x()));
     if (style_.repeats != 0 && random_.chance(0.3)) {
@@ -151,13 +185,16 @@ class DialectWriter {
     mode(false);
     if (style_.names) {
       text_ += fmt::format("TRANS {} Y={}\nG1 {}\nAROT RPL=30\n", word('X', 10), number(5), word('X', 20));
-      text_ += fmt::format("G0 {} {}\nG1 {} {}\nG2 {} {}\nROT\n", word('X', 20), word('Y', 0), word('X', 60), word('Y', 30), word('X', 80), word('I', 10));
+      text_ += fmt::format("G0 {} {}\nG1 {} {}\nG2 {} {}\nROT\n", word('X', 20), word('Y', 0), word('X', 60),
+                           word('Y', 30), word('X', 80), word('I', 10));
       text_ += fmt::format("G0 {} {}\n", word('X', at_.x()), word('Y', at_.y()));
       return;
     }
     // turned about (10, 5); what is cut then stands somewhere, and the program goes back to a known place
-    text_ += fmt::format("G68 {} {} R{}\n", word('X', 10 * unit() / 25.4), word('Y', 5 * unit() / 25.4), style_.increments ? "30000" : "30.");
-    text_ += fmt::format("G0 {} {}\nG1 {} {}\nG2 {} {}\nG69\n", word('X', 20), word('Y', 0), word('X', 60), word('Y', 30), word('X', 80), word('I', 10));
+    text_ += fmt::format("G68 {} {} R{}\n", word('X', 10 * unit() / 25.4), word('Y', 5 * unit() / 25.4),
+                         style_.increments ? "30000" : "30.");
+    text_ += fmt::format("G0 {} {}\nG1 {} {}\nG2 {} {}\nG69\n", word('X', 20), word('Y', 0), word('X', 60),
+                         word('Y', 30), word('X', 80), word('I', 10));
     text_ += fmt::format("G0 {} {}\n", word('X', at_.x()), word('Y', at_.y()));
   }
 
@@ -193,11 +230,14 @@ TEST_P(RandomDialects, AreVerifiedOnRandomMachines) {
     const ProgramRun result = run(style, machine, program);
     if (result.outcome.end == ProgramEnd::refused) {
       // a cycle whose correction bends inside it; what follows is judged from where it would have ended
-      const bool bends = std::any_of(result.outcome.diagnostics.begin(), result.outcome.diagnostics.end(), [](const Diagnostic& d) { return d.code == "E-CYCLE"; });
+      const bool bends = std::any_of(result.outcome.diagnostics.begin(), result.outcome.diagnostics.end(),
+                                     [](const Diagnostic& d) { return d.code == "E-CYCLE"; });
       EXPECT_TRUE(bends) << "seed " << seed << "\n" << findings(result.outcome) << program;
       continue;
     }
-    ASSERT_EQ(result.outcome.end, ProgramEnd::done) << "seed " << seed << "\n" << findings(result.outcome) << program << "\n----\n" << result.output;
+    ASSERT_EQ(result.outcome.end, ProgramEnd::done) << "seed " << seed << "\n"
+                                                    << findings(result.outcome) << program << "\n----\n"
+                                                    << result.output;
     EXPECT_LE(result.outcome.verify.after.max, result.outcome.verify.allowed) << "seed " << seed;
     ++done;
   }
@@ -211,21 +251,23 @@ TEST_P(RandomDialects, ZeroErrorsChangeNoByte) {
     const std::string machine = random_machine(random, 0.0);
     const std::string program = DialectWriter(random, style).write(30);
     const ProgramRun result = run(style, machine, program);
-    ASSERT_EQ(result.outcome.end, ProgramEnd::done) << "seed " << seed << "\n" << findings(result.outcome) << program;
+    ASSERT_EQ(result.outcome.end, ProgramEnd::done) << "seed " << seed << "\n"
+                                                    << findings(result.outcome) << program;
     ASSERT_EQ(result.output, program) << "seed " << seed;
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Controls, RandomDialects,
-                         ::testing::Values(Style{"fanuc", true, true, true, true, true, "G54.1", 'K', 0.3, false},
-                                           Style{"fanuc", true, true, true, true, true, "G54.1", 'K', 0.0, true},
-                                           Style{"haas", true, true, true, true, true, "G154", 'L', 0.3, false},
-                                           Style{"grbl", false, false, false, false, false, "", 0, 0.3, false},
-                                           Style{"siemens", false, false, true, true, true, "", 0, 0.3, false, true},
-                                           Style{"grblhal", false, true, false, false, false, "", 0, 0.0, false}),
-                         [](const auto& test) {
-                           return std::string(test.param.dialect) + (test.param.increments ? "_increments" : "");
-                         });
+INSTANTIATE_TEST_SUITE_P(
+    Controls, RandomDialects,
+    ::testing::Values(Style{"fanuc", true, true, true, true, true, "G54.1", 'K', 0.3, false},
+                      Style{"fanuc", true, true, true, true, true, "G54.1", 'K', 0.0, true},
+                      Style{"haas", true, true, true, true, true, "G154", 'L', 0.3, false},
+                      Style{"grbl", false, false, false, false, false, "", 0, 0.3, false},
+                      Style{"siemens", false, false, true, true, true, "", 0, 0.3, false, true},
+                      Style{"grblhal", false, true, false, false, false, "", 0, 0.0, false}),
+    [](const auto& test) {
+      return std::string(test.param.dialect) + (test.param.increments ? "_increments" : "");
+    });
 
 /// A table that turns about `tilt` and C.
 std::string tilting_table(char tilt) {

@@ -24,14 +24,16 @@ using namespace testing;
 /// Lost motion of every axis in its own direction and across it, as a constant and growing with the position.
 std::string random_lost_motion(Random& random) {
   const bool table = random.chance(0.5);
-  std::string text = fmt::format("format = 1\n[machine]\nname = \"play\"\nchain = \"{}\"\n", table ? "w X b Y Z t" : "w b X Y Z t");
+  std::string text = fmt::format("format = 1\n[machine]\nname = \"play\"\nchain = \"{}\"\n",
+                                 table ? "w X b Y Z t" : "w b X Y Z t");
   for (const char axis : {'X', 'Y', 'Z'}) text += fmt::format("[axis.{}]\nrange = [-600, 600]\n", axis);
   if (table) text.insert(text.find("[axis.Y]"), "errors_seen = \"body\"\n");
   text += "[errors]\n";
   const auto both = [&](const std::string& name, double lost) {
     const double mean = random.between(-10, 10), slope = random.between(-0.02, 0.02);
-    text += fmt::format("{} = {{ forward = {{ poly = [{:.4f}, {:.5f}] }}, backward = {{ poly = [{:.4f}, {:.5f}] }} }}\n", name, mean + lost / 2, slope,
-                        mean - lost / 2, slope * random.between(0.9, 1.1));
+    text += fmt::format(
+        "{} = {{ forward = {{ poly = [{:.4f}, {:.5f}] }}, backward = {{ poly = [{:.4f}, {:.5f}] }} }}\n",
+        name, mean + lost / 2, slope, mean - lost / 2, slope * random.between(0.9, 1.1));
   };
   for (const char axis : {'X', 'Y', 'Z'}) {
     if (random.chance(0.8)) both(fmt::format("E{0}{0}", axis), random.between(-12, 12));
@@ -71,21 +73,48 @@ class ProgramWriter {
   }
   Vec3 target(double reach) {
     Vec3 p;
-    for (int k = 0; k < 3; ++k) p[k] = round(std::clamp(at_[k] + random_.between(-reach, reach), k == 2 ? -40.0 : -350.0, k == 2 ? 100.0 : 350.0));
+    for (int k = 0; k < 3; ++k)
+      p[k] = round(std::clamp(at_[k] + random_.between(-reach, reach), k == 2 ? -40.0 : -350.0,
+                              k == 2 ? 100.0 : 350.0));
     return p;
   }
   void block() {
     switch (random_.below(14)) {
-      case 0: mode(!incremental_); break;
-      case 1: text_ += random_.chance(0.5) ? "M8\n" : "(a comment)\n"; break;
-      case 2: line("G0", 200); break;
-      case 3: case 4: case 5: line("G1", random_.chance(0.4) ? 300 : 20); break;
-      case 6: case 7: case 8: arc(); break;
-      case 9: cycle(); break;
-      case 10: text_ += fmt::format("G92 X{:.3f}\nG92.1\n", random_.between(-5, 5)); break;
-      case 11: if (inverse_time_) text_ += fmt::format("G93 G1 {} F{:.2f}\nG94 F400\n", word_to(1, 150), random_.between(0.5, 5)); break;
-      case 12: text_ += fmt::format("N{} G4 P0.1\n", random_.below(1000)); break;
-      default: units(); break;
+      case 0:
+        mode(!incremental_);
+        break;
+      case 1:
+        text_ += random_.chance(0.5) ? "M8\n" : "(a comment)\n";
+        break;
+      case 2:
+        line("G0", 200);
+        break;
+      case 3:
+      case 4:
+      case 5:
+        line("G1", random_.chance(0.4) ? 300 : 20);
+        break;
+      case 6:
+      case 7:
+      case 8:
+        arc();
+        break;
+      case 9:
+        cycle();
+        break;
+      case 10:
+        text_ += fmt::format("G92 X{:.3f}\nG92.1\n", random_.between(-5, 5));
+        break;
+      case 11:
+        if (inverse_time_)
+          text_ += fmt::format("G93 G1 {} F{:.2f}\nG94 F400\n", word_to(1, 150), random_.between(0.5, 5));
+        break;
+      case 12:
+        text_ += fmt::format("N{} G4 P0.1\n", random_.below(1000));
+        break;
+      default:
+        units();
+        break;
     }
   }
   std::string word_to(int k, double reach) {
@@ -126,13 +155,15 @@ class ProgramWriter {
       const double v = incremental_ ? end[k] - at_[k] : end[k];
       text_ += fmt::format(" {}{:.4f}", "XYZ"[k], v);
     }
-    text_ += fmt::format(" {}{:.3f} {}{:.3f}{}\nG17\n", "IJK"[a], i, "IJK"[b], j, full && random_.chance(0.3) ? " P2" : "");
+    text_ += fmt::format(" {}{:.3f} {}{:.3f}{}\nG17\n", "IJK"[a], i, "IJK"[b], j,
+                         full && random_.chance(0.3) ? " P2" : "");
     at_ = end;
   }
   void cycle() {
     mode(false);
     const double r = round(at_.z() - random_.between(0, 3));
-    text_ += fmt::format("G9{} {} X{:.3f} Y{:.3f} R{:.3f} Z{:.3f}\n", 8 + random_.below(2), random_.chance(0.5) ? "G81" : "G82 P0.1", at_.x(), at_.y(), r, r - 4);
+    text_ += fmt::format("G9{} {} X{:.3f} Y{:.3f} R{:.3f} Z{:.3f}\n", 8 + random_.below(2),
+                         random_.chance(0.5) ? "G81" : "G82 P0.1", at_.x(), at_.y(), r, r - 4);
     at_.x() = round(at_.x() + 3);
     text_ += fmt::format("X{:.3f}\nG80\nG98\n", at_.x());
     // where a cycle leaves Z depends on G98 and G99: name it
@@ -183,7 +214,9 @@ TEST(RandomPrograms, AreVerifiedOnRandomMachines) {
       }
       continue;
     }
-    ASSERT_EQ(result.outcome.end, ProgramEnd::done) << "seed " << seed << "\n" << findings(result.outcome) << program << "\n----\n" << result.output;
+    ASSERT_EQ(result.outcome.end, ProgramEnd::done) << "seed " << seed << "\n"
+                                                    << findings(result.outcome) << program << "\n----\n"
+                                                    << result.output;
     EXPECT_LE(result.outcome.verify.after.max, result.outcome.verify.allowed) << "seed " << seed;
     ++done;
   }
@@ -198,7 +231,10 @@ TEST(RandomPrograms, LostMotionIsTakenUpEverywhere) {
     const std::string machine = random_lost_motion(random);
     const std::string program = ProgramWriter(random, rotated, false).write(25);
     const ProgramRun result = run(machine, program, false, true, rotated ? 0.3 : 0.0);
-    ASSERT_EQ(result.outcome.end, ProgramEnd::done) << "seed " << seed << "\n" << machine << findings(result.outcome) << program << "\n----\n" << result.output;
+    ASSERT_EQ(result.outcome.end, ProgramEnd::done)
+        << "seed " << seed << "\n"
+        << machine << findings(result.outcome) << program << "\n----\n"
+        << result.output;
     EXPECT_LE(result.outcome.verify.after.max, result.outcome.verify.allowed) << "seed " << seed;
     ++done;
   }
@@ -212,8 +248,10 @@ std::string with_errors_reversed(const std::string& machine) {
   std::istringstream lines(machine.substr(errors));
   for (std::string line; std::getline(lines, line);) {
     const std::size_t equals = line.find("= "), open = line.find("{ ");
-    if (open != std::string::npos) line.insert(open + 2, "times = { poly = [-1] }, ");
-    else line = fmt::format("{}= {:.9g}", line.substr(0, equals), -std::stod(line.substr(equals + 2)));
+    if (open != std::string::npos)
+      line.insert(open + 2, "times = { poly = [-1] }, ");
+    else
+      line = fmt::format("{}= {:.9g}", line.substr(0, equals), -std::stod(line.substr(equals + 2)));
     text += line + '\n';
   }
   return text;
@@ -223,7 +261,9 @@ std::string with_errors_reversed(const std::string& machine) {
 std::string short_moves(Random& random) {
   std::string text = "G21 G90 G17 G94\nG54\nT1 M6\nG43 H1\nG0 X0.000 Y0.000 Z20.000\nF500\n";
   Vec3 at(0, 0, 20);
-  const auto near = [&](double v, double most) { return std::round(std::clamp(v + random.between(-15, 15), -most, most) * 1e3) / 1e3; };
+  const auto near = [&](double v, double most) {
+    return std::round(std::clamp(v + random.between(-15, 15), -most, most) * 1e3) / 1e3;
+  };
   for (int i = 0; i < 40; ++i) {
     at = Vec3(near(at.x(), 250), near(at.y(), 250), near(at.z(), 60));
     text += fmt::format("G{} X{:.4f} Y{:.4f} Z{:.4f}\n", random.below(2), at.x(), at.y(), at.z());
@@ -247,7 +287,8 @@ TEST(RandomPrograms, AMapAndItsNegativeBringTheNumbersBack) {
     Random random(seed);
     const std::string machine = random_machine(random, 1.0), program = short_moves(random);
     const ProgramRun there = run(machine, program, false);
-    ASSERT_EQ(there.outcome.end, ProgramEnd::done) << "seed " << seed << "\n" << findings(there.outcome) << program;
+    ASSERT_EQ(there.outcome.end, ProgramEnd::done) << "seed " << seed << "\n"
+                                                   << findings(there.outcome) << program;
     ASSERT_NE(there.output, program) << "seed " << seed;
     const ProgramRun back = run(with_errors_reversed(machine), there.output, false);
     ASSERT_EQ(back.outcome.end, ProgramEnd::done) << "seed " << seed << "\n" << findings(back.outcome);
@@ -255,7 +296,8 @@ TEST(RandomPrograms, AMapAndItsNegativeBringTheNumbersBack) {
     for (std::string a, b; std::getline(first, a) && std::getline(last, b);) {
       const auto meant = coordinates_of(a), found = coordinates_of(b);
       ASSERT_EQ(meant.size(), found.size()) << "seed " << seed << "\n" << a << "\n" << b;
-      for (std::size_t k = 0; k < meant.size(); ++k) EXPECT_NEAR(meant[k], found[k], kLastDigit) << "seed " << seed << "\n" << a << "\n" << b;
+      for (std::size_t k = 0; k < meant.size(); ++k)
+        EXPECT_NEAR(meant[k], found[k], kLastDigit) << "seed " << seed << "\n" << a << "\n" << b;
       numbers += static_cast<int>(meant.size());
     }
   }

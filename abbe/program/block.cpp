@@ -17,7 +17,8 @@ constexpr std::array<Kind, 256> make_kinds() {
   for (int c = 'a'; c <= 'z'; ++c) kinds[static_cast<std::size_t>(c)] = Kind::letter;
   for (int c = '0'; c <= '9'; ++c) kinds[static_cast<std::size_t>(c)] = Kind::digit;
   for (const char c : {'+', '-', '.'}) kinds[static_cast<unsigned char>(c)] = Kind::digit;
-  for (const char c : {'#', '[', ']', '=', '<', '>', '*'}) kinds[static_cast<unsigned char>(c)] = Kind::expression;
+  for (const char c : {'#', '[', ']', '=', '<', '>', '*'})
+    kinds[static_cast<unsigned char>(c)] = Kind::expression;
   kinds['('] = Kind::open;
   kinds[';'] = Kind::semicolon;
   kinds['%'] = Kind::percent;
@@ -36,12 +37,20 @@ std::size_t skip_blanks(std::string_view text, std::size_t at) {
 BlockError bad_character(std::string_view text, std::size_t at) {
   const auto byte = static_cast<unsigned char>(text[at]);
   if (kind_of(text[at]) == Kind::expression) {
-    return {"E-EXPR", at, 1, fmt::format("'{}': variables and expressions are not literal numbers", text[at]),
+    return {"E-EXPR",
+            at,
+            1,
+            fmt::format("'{}': variables and expressions are not literal numbers", text[at]),
             "where the axes go depends on values that only the control knows when the program runs",
             "post the program with literal coordinates (loops and variables resolved)"};
   }
-  const std::string what = byte >= 0x20 && byte < 0x7f ? fmt::format("'{}'", text[at]) : fmt::format("byte 0x{:02X}", byte);
-  return {"E-CHAR", at, 1, what + " outside a comment", "this is not RS274/NGC, so its meaning is unknown",
+  const std::string what =
+      byte >= 0x20 && byte < 0x7f ? fmt::format("'{}'", text[at]) : fmt::format("byte 0x{:02X}", byte);
+  return {"E-CHAR",
+          at,
+          1,
+          what + " outside a comment",
+          "this is not RS274/NGC, so its meaning is unknown",
           "remove it, or put it into a comment"};
 }
 
@@ -65,8 +74,8 @@ bool read_spaced_number(std::string_view text, std::size_t at, Word& word, std::
   return true;
 }
 
-/// Usual words: a letter, at once its number, then the end or a blank and the next letter. Reads as many as there
-/// are from `at` on and returns where they end.
+/// Usual words: a letter, at once its number, then the end or a blank and the next letter. Reads as many as
+/// there are from `at` on and returns where they end.
 std::size_t read_plain_words(std::string_view text, std::size_t at, Block& block) {
   const char* const begin = text.data();
   const char* const end = begin + text.size();
@@ -94,8 +103,12 @@ std::size_t read_plain_words(std::string_view text, std::size_t at, Block& block
 }
 
 BlockError no_number(char letter, std::size_t at) {
-  return {"E-NUMBER", at, 1, fmt::format("the letter {} is not followed by a number", letter),
-          "a word is a letter and a number", "complete the word or remove it"};
+  return {"E-NUMBER",
+          at,
+          1,
+          fmt::format("the letter {} is not followed by a number", letter),
+          "a word is a letter and a number",
+          "complete the word or remove it"};
 }
 
 }  // namespace
@@ -115,9 +128,12 @@ std::optional<BlockError> read_words(std::string_view line, Block& block, bool n
   block.count = 0;
   const std::string_view text = block.text;
   if (text.size() > kMaxBlockBytes) {
-    return BlockError{"E-LINELEN", kMaxBlockBytes, 1,
+    return BlockError{"E-LINELEN",
+                      kMaxBlockBytes,
+                      1,
                       fmt::format("the line has {} bytes, {} is the limit", text.size(), kMaxBlockBytes),
-                      "the control refuses longer lines", "break the block into two"};
+                      "the control refuses longer lines",
+                      "break the block into two"};
   }
   std::size_t at = skip_blanks(text, 0);
   if (at < text.size() && text[at] == '%') {
@@ -152,12 +168,20 @@ std::optional<BlockError> read_words(std::string_view line, Block& block, bool n
       case Kind::open: {
         const std::size_t close = text.find(')', at);
         if (close == std::string_view::npos) {
-          return BlockError{"E-COMMENT", at, 1, "the comment is not closed on its line",
-                            "what follows could be program or comment", "add ')'"};
+          return BlockError{"E-COMMENT",
+                            at,
+                            1,
+                            "the comment is not closed on its line",
+                            "what follows could be program or comment",
+                            "add ')'"};
         }
         const std::size_t nested = text.find('(', at + 1);
         if (nested < close) {
-          return BlockError{"E-COMMENT", nested, 1, "'(' inside a comment", "comments do not nest: controls read this differently",
+          return BlockError{"E-COMMENT",
+                            nested,
+                            1,
+                            "'(' inside a comment",
+                            "comments do not nest: controls read this differently",
                             "use other brackets inside comments"};
         }
         block.has_comment = true;
@@ -166,8 +190,12 @@ std::optional<BlockError> read_words(std::string_view line, Block& block, bool n
       }
       case Kind::letter: {
         if (block.count == Block::kMaxWords) {
-          return BlockError{"E-BLOCK", at, 1, fmt::format("more than {} words in one block", Block::kMaxWords),
-                            "no control accepts such a block", "break the block into several"};
+          return BlockError{"E-BLOCK",
+                            at,
+                            1,
+                            fmt::format("more than {} words in one block", Block::kMaxWords),
+                            "no control accepts such a block",
+                            "break the block into several"};
         }
         Word& word = block.words[static_cast<std::size_t>(block.count)];
         word.letter = text[at] >= 'a' ? static_cast<char>(text[at] - 'a' + 'A') : text[at];
@@ -185,8 +213,9 @@ std::optional<BlockError> read_words(std::string_view line, Block& block, bool n
         const std::size_t next = skip_blanks(text, end);
         if (decimal.length == 0 || (next < text.size() && kind_of(text[next]) == Kind::digit)) {
           if (!read_spaced_number(text, number, word, end)) {
-            if (number < text.size() && kind_of(text[number]) != Kind::letter && kind_of(text[number]) != Kind::digit &&
-                kind_of(text[number]) != Kind::open && kind_of(text[number]) != Kind::semicolon) {
+            if (number < text.size() && kind_of(text[number]) != Kind::letter &&
+                kind_of(text[number]) != Kind::digit && kind_of(text[number]) != Kind::open &&
+                kind_of(text[number]) != Kind::semicolon) {
               return bad_character(text, number);
             }
             return no_number(word.letter, at);
@@ -202,7 +231,11 @@ std::optional<BlockError> read_words(std::string_view line, Block& block, bool n
         break;
       }
       case Kind::slash:
-        return BlockError{"E-SLASH", at, 1, "'/' in the middle of a block", "block delete stands at the start of a line",
+        return BlockError{"E-SLASH",
+                          at,
+                          1,
+                          "'/' in the middle of a block",
+                          "block delete stands at the start of a line",
                           "move it to the start or remove it"};
       default:
         return bad_character(text, at);
@@ -215,14 +248,19 @@ std::optional<BlockError> read_words(std::string_view line, Block& block, bool n
 
 std::optional<BlockError> read_block(std::string_view line, Block& block, bool numbered_skip) {
   std::optional<BlockError> error = read_words(line, block, numbered_skip);
-  if (!error || (error->code != std::string_view("E-NUMBER") && error->code != std::string_view("E-EXPR"))) return error;
+  if (!error || (error->code != std::string_view("E-NUMBER") && error->code != std::string_view("E-EXPR")))
+    return error;
   // O100 SUB, O<NAME> CALL: what is not a word belongs to the subprogram or loop.
   const std::string_view text = block.text;
   std::size_t at = block.count == 0 ? skip_blanks(text, block.slash_end) : block.words[0].begin;
   if (block.count > 0 && block.words[0].letter == 'N') at = skip_blanks(text, block.words[0].end);
   if (at >= text.size() || (text[at] != 'O' && text[at] != 'o')) return error;
-  return BlockError{"E-OWORD", at, 1, "subprograms and flow control are not followed",
-                    "where the axes go depends on how the program runs", "post the program without loops and calls"};
+  return BlockError{"E-OWORD",
+                    at,
+                    1,
+                    "subprograms and flow control are not followed",
+                    "where the axes go depends on how the program runs",
+                    "post the program without loops and calls"};
 }
 
 }  // namespace abbe

@@ -11,26 +11,26 @@ namespace abbe {
 
 /// One word of a block: a letter and a number, and where both stand in the line.
 struct Word {
-  char letter = 0;              ///< upper case
-  bool tidy = true;             ///< no blanks inside the number
-  std::uint16_t begin = 0;      ///< of the letter
-  std::uint16_t number = 0;     ///< first byte of the number
-  std::uint16_t end = 0;        ///< past the number
-  std::uint16_t decimals = 0;   ///< digits after the point
+  char letter = 0;             ///< upper case
+  bool tidy = true;            ///< no blanks inside the number
+  std::uint16_t begin = 0;     ///< of the letter
+  std::uint16_t number = 0;    ///< first byte of the number
+  std::uint16_t end = 0;       ///< past the number
+  std::uint16_t decimals = 0;  ///< digits after the point
   double value = 0;
 };
 
 /// What a line of a program says, as byte ranges of the line: nothing is copied or changed.
 struct Block {
   static constexpr int kMaxWords = 48;
-  std::string_view text;        ///< without end-of-line bytes
-  std::string_view eol;         ///< "\n", "\r\n", "" at the end of a file without one
-  bool slash = false;           ///< block delete
-  bool percent = false;         ///< a line with '%' and nothing else
+  std::string_view text;  ///< without end-of-line bytes
+  std::string_view eol;   ///< "\n", "\r\n", "" at the end of a file without one
+  bool slash = false;     ///< block delete
+  bool percent = false;   ///< a line with '%' and nothing else
   bool has_comment = false;
-  bool has_semicolon = false;   ///< a comment begins with ';'
+  bool has_semicolon = false;                    ///< a comment begins with ';'
   std::uint16_t slash_begin = 0, slash_end = 0;  ///< of "/" or "/2"
-  std::uint16_t words_end = 0;  ///< past the last word (or the slash): where words are added
+  std::uint16_t words_end = 0;                   ///< past the last word (or the slash): where words are added
   int count = 0;
   std::array<Word, kMaxWords> words;
 
@@ -56,7 +56,8 @@ inline constexpr std::size_t kMaxBlockBytes = 254;
 /// `numbered_skip` says so.
 /// errors   the first reason why the line is not understood; `block` is then incomplete
 /// cost     about 30 ns for a line of three words, no allocation
-[[nodiscard]] std::optional<BlockError> read_block(std::string_view line, Block& block, bool numbered_skip = false);
+[[nodiscard]] std::optional<BlockError> read_block(std::string_view line, Block& block,
+                                                   bool numbered_skip = false);
 
 /// Splits end-of-line bytes off a line.
 [[nodiscard]] std::string_view without_eol(std::string_view line);

@@ -51,10 +51,13 @@ struct Bad {
   std::size_t column;
 };
 TEST(Block, SaysWhereItStopsUnderstanding) {
-  for (const Bad& bad : {Bad{"O100 sub", "E-OWORD", 0}, Bad{"o<part> call [1]", "E-OWORD", 0}, Bad{"N5 O100 while [#1 LT 2]", "E-OWORD", 3},
-                         Bad{"/ O100 call", "E-OWORD", 2}, Bad{"X#1", "E-EXPR", 1}, Bad{"X[1]", "E-EXPR", 1}, Bad{"X", "E-NUMBER", 0}, Bad{"XY1", "E-NUMBER", 0},
-                         Bad{"X-", "E-NUMBER", 0}, Bad{"G1 X1-2", "E-CHAR", 5}, Bad{"G1 \x80", "E-CHAR", 3}, Bad{"G1 (", "E-COMMENT", 3},
-                         Bad{"G1 (a(b)", "E-COMMENT", 5}, Bad{"G1 /X2", "E-SLASH", 3}, Bad{"% G1", "E-CHAR", 2}}) {
+  for (const Bad& bad :
+       {Bad{"O100 sub", "E-OWORD", 0}, Bad{"o<part> call [1]", "E-OWORD", 0},
+        Bad{"N5 O100 while [#1 LT 2]", "E-OWORD", 3}, Bad{"/ O100 call", "E-OWORD", 2},
+        Bad{"X#1", "E-EXPR", 1}, Bad{"X[1]", "E-EXPR", 1}, Bad{"X", "E-NUMBER", 0}, Bad{"XY1", "E-NUMBER", 0},
+        Bad{"X-", "E-NUMBER", 0}, Bad{"G1 X1-2", "E-CHAR", 5}, Bad{"G1 \x80", "E-CHAR", 3},
+        Bad{"G1 (", "E-COMMENT", 3}, Bad{"G1 (a(b)", "E-COMMENT", 5}, Bad{"G1 /X2", "E-SLASH", 3},
+        Bad{"% G1", "E-CHAR", 2}}) {
     Block block;
     const auto error = read_block(bad.text, block);
     ASSERT_TRUE(error) << bad.text;

@@ -14,29 +14,32 @@ namespace abbe {
 ///
 ///   m = Rz(rot) (p + g92) + g5x + tlo                                                     (1)
 ///
-/// A rotation that the program makes (G68) turns p about the centre k first: p becomes Rz(a) (p - k) + k. It is
-/// only followed in work offsets without a rotation of their own.
-/// source   docs/theory/compensation.md
+/// A rotation that the program makes (G68) turns p about the centre k first: p becomes Rz(a) (p - k) + k. It
+/// is only followed in work offsets without a rotation of their own. source   docs/theory/compensation.md
 class Frames {
  public:
   explicit Frames(const ControlSetup& setup);
 
-  void select(int index);                           ///< G54 = 0 .. G59.3 = 8, then the further ones
+  void select(int index);  ///< G54 = 0 .. G59.3 = 8, then the further ones
   void set_work_offset(int index, const WorkOffset& offset);
   void set_tool_offset(const Vec3& tlo);
   void set_g92(const Vec3& offset);
-  void turn(const Vec3& centre, double angle);      ///< G68, rad; angle 0 ends it
+  void turn(const Vec3& centre, double angle);  ///< G68, rad; angle 0 ends it
 
   [[nodiscard]] int active() const { return active_; }
   [[nodiscard]] int count() const { return static_cast<int>(work_.size()); }
-  [[nodiscard]] const std::optional<WorkOffset>& work_offset(int index) const { return work_[static_cast<std::size_t>(index)]; }
+  [[nodiscard]] const std::optional<WorkOffset>& work_offset(int index) const {
+    return work_[static_cast<std::size_t>(index)];
+  }
   [[nodiscard]] bool known() const { return work_[static_cast<std::size_t>(active_)].has_value(); }
   [[nodiscard]] bool turned() const { return angle_ != 0; }
   [[nodiscard]] bool rotated() const { return sin_ != 0.0 || cos_ != 1.0; }
   [[nodiscard]] const Vec3& g92() const { return g92_; }
   [[nodiscard]] const Vec3& tool_offset() const { return tlo_; }
   /// Where A B C are zero, rad: r = word + this.
-  [[nodiscard]] std::array<double, 3> turn_offset() const { return known() ? work_[static_cast<std::size_t>(active_)]->turns : std::array<double, 3>{}; }
+  [[nodiscard]] std::array<double, 3> turn_offset() const {
+    return known() ? work_[static_cast<std::size_t>(active_)]->turns : std::array<double, 3>{};
+  }
   /// g5x + tlo: where the tool stands at the origin of the work offset.
   [[nodiscard]] const Vec3& datum_point() const { return origin_; }
 

@@ -9,7 +9,22 @@ namespace {
 
 /// Modal groups of RS274/NGC: one code of each in a block; codes in `loose` stand beside each other.
 enum Group : std::uint8_t {
-  loose, zero, motion, plane, distance, arc_distance, feed_mode, units, cutter, tool_length, retract, wcs, path, spindle, lathe, rotation,
+  loose,
+  zero,
+  motion,
+  plane,
+  distance,
+  arc_distance,
+  feed_mode,
+  units,
+  cutter,
+  tool_length,
+  retract,
+  wcs,
+  path,
+  spindle,
+  lathe,
+  rotation,
   kGroups
 };
 
@@ -98,13 +113,14 @@ constexpr std::uint32_t bit(char letter) { return 1u << (letter - 'A'); }
 constexpr std::uint32_t kAxisBits = bit('X') | bit('Y') | bit('Z');
 constexpr std::uint32_t kTurnBits = bit('A') | bit('B') | bit('C');
 constexpr std::uint32_t kCentreBits = bit('I') | bit('J') | bit('K');
-constexpr std::uint32_t kValueBits = kAxisBits | kTurnBits | kCentreBits | bit('R') | bit('P') | bit('Q') | bit('L') | bit('F') |
-                                     bit('S') | bit('T') | bit('H') | bit('D') | bit('E') | bit('N');
+constexpr std::uint32_t kValueBits = kAxisBits | kTurnBits | kCentreBits | bit('R') | bit('P') | bit('Q') |
+                                     bit('L') | bit('F') | bit('S') | bit('T') | bit('H') | bit('D') |
+                                     bit('E') | bit('N');
 
-void refuse(ProgramFindings& findings, std::uint64_t line, const Block& block, const Word& word, const char* code,
-            std::string message, const char* why, const char* fix) {
-  findings.add(Severity::error, code, line, block.text, word.begin, static_cast<std::size_t>(word.end - word.begin),
-               std::move(message), why, fix);
+void refuse(ProgramFindings& findings, std::uint64_t line, const Block& block, const Word& word,
+            const char* code, std::string message, const char* why, const char* fix) {
+  findings.add(Severity::error, code, line, block.text, word.begin,
+               static_cast<std::size_t>(word.end - word.begin), std::move(message), why, fix);
 }
 
 std::string spelled(const Block& block, const Word& word) {
@@ -121,14 +137,16 @@ std::optional<int> scaled(double value, double factor, int limit) {
 /// What the profile says of a G or M word; `unknown` for numbers that are no code.
 const CodeUse& use_of(const Profile& profile, const Word& word) {
   static constexpr CodeUse kUnknown{};
-  const auto code = word.letter == 'G' ? scaled(word.value, 10, static_cast<int>(Profile::kGCodes + Profile::kKeywords))
-                                       : scaled(word.value, 1, static_cast<int>(Profile::kMCodes));
+  const auto code = word.letter == 'G'
+                        ? scaled(word.value, 10, static_cast<int>(Profile::kGCodes + Profile::kKeywords))
+                        : scaled(word.value, 1, static_cast<int>(Profile::kMCodes));
   if (!code) return kUnknown;
-  return word.letter == 'G' ? profile.g[static_cast<std::size_t>(*code)] : profile.m[static_cast<std::size_t>(*code)];
+  return word.letter == 'G' ? profile.g[static_cast<std::size_t>(*code)]
+                            : profile.m[static_cast<std::size_t>(*code)];
 }
 
-/// The machine's control switches tool centre point control with this word: its code times ten, 0 and 1 for off and
-/// on; nullptr: it does not.
+/// The machine's control switches tool centre point control with this word: its code times ten, 0 and 1 for
+/// off and on; nullptr: it does not.
 const TcpCode* tcp_code(const ModalState& state, const Word& word) {
   const auto code = scaled(word.value, 10, 10000);
   for (const TcpCode& known : state.tcp_codes) {
@@ -149,9 +167,11 @@ struct Reading {
   LetterSet used = letter_set("NFST");  ///< letters that some code of the block uses
   bool dwell_x = false;                 ///< X is the time of a dwell
 
-  void refuse(const Word& word, const char* code, std::string message, std::string why, std::string fix) const {
-    findings.add(Severity::error, code, line, block.text, word.begin, static_cast<std::size_t>(word.end - word.begin), std::move(message),
-                 std::move(why), std::move(fix));
+  void refuse(const Word& word, const char* code, std::string message, std::string why,
+              std::string fix) const {
+    findings.add(Severity::error, code, line, block.text, word.begin,
+                 static_cast<std::size_t>(word.end - word.begin), std::move(message), std::move(why),
+                 std::move(fix));
   }
 
   bool refuse_unknown(const Word& word, const CodeUse& use) const {
@@ -160,11 +180,13 @@ struct Reading {
       refuse(word, usual, spelled(block, word) + " is not known to the " + profile.title + " profile",
              word.letter == 'G' ? "a code that is not understood may move the machine or change a frame"
                                 : "an M code that is not understood may move the machine or call a program",
-             word.letter == 'G' ? "remove it, or post without it" : "remove it, or run it outside the compensated program");
+             word.letter == 'G' ? "remove it, or post without it"
+                                : "remove it, or run it outside the compensated program");
       return false;
     }
     const CodeRefusal& refusal = profile.refusals[use.refusal - 1U];
-    refuse(word, refusal.error.empty() ? usual : refusal.error.c_str(), spelled(block, word) + " cannot be compensated", refusal.why, refusal.fix);
+    refuse(word, refusal.error.empty() ? usual : refusal.error.c_str(),
+           spelled(block, word) + " cannot be compensated", refusal.why, refusal.fix);
     return false;
   }
 
@@ -187,8 +209,8 @@ bool Reading::note_g(const Word& word) {
     return true;
   }
   if (role.group != loose && seen[role.group]) {
-    refuse(word, "E-BLOCK", spelled(block, word) + ": a second code of the same group in one block", "which of them holds is not defined",
-           "split the block");
+    refuse(word, "E-BLOCK", spelled(block, word) + ": a second code of the same group in one block",
+           "which of them holds is not defined", "split the block");
     return false;
   }
   seen[role.group] = true;
@@ -208,22 +230,44 @@ void Reading::put_in_force(const Role& role, const CodeUse& use) {
       out.states_motion = true;
       out.motion_words = use.words;
       break;
-    case plane: out.plane = role.code; break;
-    case distance: out.distance = role.code; break;
-    case arc_distance: out.arc_distance = role.code; break;
-    case feed_mode: out.feed_mode = role.code; break;
-    case units: out.units = role.code; break;
-    case tool_length: out.tool_length = role.code; break;
-    case retract: out.retract = role.code; break;
-    case wcs: out.wcs = use.meaning == Meaning::work_offset ? use.number - 1 : kNumbered; break;
-    case rotation: out.rotation = role.code; break;
-    case path: out.path_control = true; break;
+    case plane:
+      out.plane = role.code;
+      break;
+    case distance:
+      out.distance = role.code;
+      break;
+    case arc_distance:
+      out.arc_distance = role.code;
+      break;
+    case feed_mode:
+      out.feed_mode = role.code;
+      break;
+    case units:
+      out.units = role.code;
+      break;
+    case tool_length:
+      out.tool_length = role.code;
+      break;
+    case retract:
+      out.retract = role.code;
+      break;
+    case wcs:
+      out.wcs = use.meaning == Meaning::work_offset ? use.number - 1 : kNumbered;
+      break;
+    case rotation:
+      out.rotation = role.code;
+      break;
+    case path:
+      out.path_control = true;
+      break;
     case loose:
       out.smooths = out.smooths || use.meaning == Meaning::smoothing;
       out.exact_stop = out.exact_stop || use.meaning == Meaning::exact_stop_once;
-      if (use.meaning == Meaning::tcp_on || use.meaning == Meaning::tcp_off) out.tcp = use.meaning == Meaning::tcp_on ? 1 : 0;
+      if (use.meaning == Meaning::tcp_on || use.meaning == Meaning::tcp_off)
+        out.tcp = use.meaning == Meaning::tcp_on ? 1 : 0;
       break;
-    default: break;
+    default:
+      break;
   }
 }
 
@@ -245,11 +289,14 @@ bool Reading::note_m(const Word& word) {
 }
 
 bool axis_words_taken(GCode zero_code) {
-  return zero_code == 100 || zero_code == 280 || zero_code == 300 || (zero_code >= 520 && zero_code <= 522) || zero_code == 920;
+  return zero_code == 100 || zero_code == 280 || zero_code == 300 || (zero_code >= 520 && zero_code <= 522) ||
+         zero_code == 920;
 }
 
 /// TRANS, ATRANS, ROT, AROT.
-bool makes_frame(GCode zero_code) { return zero_code == 521 || zero_code == 522 || zero_code == 681 || zero_code == 682; }
+bool makes_frame(GCode zero_code) {
+  return zero_code == 521 || zero_code == 522 || zero_code == 681 || zero_code == 682;
+}
 
 const char* letter_code(char letter) {
   if (letter == 'U' || letter == 'V' || letter == 'W') return "E-AXIS";
@@ -263,7 +310,8 @@ void refuse_letter(ProgramFindings& findings, std::uint64_t line, const Block& b
     refuse(findings, line, block, word, code, spelled(block, word) + ": only X Y Z and A B C are compensated",
            "a further axis moves the tool in a way that is not followed", "post for X Y Z and A B C");
   } else if (kind == "E-OWORD") {
-    refuse(findings, line, block, word, code, spelled(block, word) + ": subprograms and flow control are not followed",
+    refuse(findings, line, block, word, code,
+           spelled(block, word) + ": subprograms and flow control are not followed",
            "where the axes go depends on how the program runs", "post the program without loops and calls");
   } else {
     refuse(findings, line, block, word, code, spelled(block, word) + ": unknown word",
@@ -337,7 +385,8 @@ bool sort_words(Reading& reading) {
       refuse_letter(reading.findings, reading.line, block, word);
       good = false;
     } else if (present & bit(word.letter)) {
-      reading.refuse(word, "E-BLOCK", fmt::format("{} stands twice in one block", word.letter), "which of them holds is not defined", "keep one");
+      reading.refuse(word, "E-BLOCK", fmt::format("{} stands twice in one block", word.letter),
+                     "which of them holds is not defined", "keep one");
       good = false;
     } else {
       present |= bit(word.letter);
@@ -356,8 +405,10 @@ bool read_edge(Reading& reading) {
   reading.used |= bit('D');
   reading.out.tool_length = d->value == 0 ? 490 : 430;
   if (edges == Edges::table || d->value == 0 || d->value == 1) return true;
-  reading.refuse(*d, "E-TOOL", fmt::format("{}: only the first edge of a tool is known", spelled(reading.block, *d)), "the offsets of further edges are in no tool table",
-                 "use D1; where D numbers name rows of the table, set tools.edges = \"table\" in a profile of your own");
+  reading.refuse(
+      *d, "E-TOOL", fmt::format("{}: only the first edge of a tool is known", spelled(reading.block, *d)),
+      "the offsets of further edges are in no tool table",
+      "use D1; where D numbers name rows of the table, set tools.edges = \"table\" in a profile of your own");
   return false;
 }
 
@@ -371,16 +422,17 @@ bool number_work_offset(Reading& reading) {
     out.wcs = 8 + *number;
     return true;
   }
-  reading.findings.add(Severity::error, "E-WCS", reading.line, reading.block.text, p ? p->begin : 0, 1,
-                       fmt::format("the number of the work offset is not a P from 1 to {}", reading.profile.offsets.further),
-                       "the frame of what follows is not known", "correct the P word");
+  reading.findings.add(
+      Severity::error, "E-WCS", reading.line, reading.block.text, p ? p->begin : 0, 1,
+      fmt::format("the number of the work offset is not a P from 1 to {}", reading.profile.offsets.further),
+      "the frame of what follows is not known", "correct the P word");
   return false;
 }
 
 }  // namespace
 
-bool read_instruction(const Profile& profile, const Block& block, const ModalState& state, std::uint64_t line, ProgramFindings& findings,
-                      Instruction& out) {
+bool read_instruction(const Profile& profile, const Block& block, const ModalState& state, std::uint64_t line,
+                      ProgramFindings& findings, Instruction& out) {
   if (is_plain_line(block, state, out)) return true;
   out = kNothing;
   Reading reading{profile, block, line, findings, out, state};
@@ -391,10 +443,11 @@ bool read_instruction(const Profile& profile, const Block& block, const ModalSta
   out.turns_axes = (present & kTurnBits) != 0;
   out.moves_axes = out.turns_axes || (present & kAxisBits) != 0;
   const bool beside_motion = profile.home_beside_motion && (out.zero == 280 || out.zero == 300);
-  const bool taken = axis_words_taken(out.zero) || out.tool_length == 431 || reading.dwell_x || out.rotation == 1;
+  const bool taken =
+      axis_words_taken(out.zero) || out.tool_length == 431 || reading.dwell_x || out.rotation == 1;
   const auto whole_block = [&](const char* code, std::string message, const char* why, const char* fix) {
-    findings.add(Severity::error, code, line, block.text, block.count > 0 ? block.words[0].begin : 0, block.text.size(),
-                 std::move(message), why, fix);
+    findings.add(Severity::error, code, line, block.text, block.count > 0 ? block.words[0].begin : 0,
+                 block.text.size(), std::move(message), why, fix);
     return false;
   };
   if (taken && out.states_motion && out.motion != 800 && !beside_motion) {
@@ -402,19 +455,24 @@ bool read_instruction(const Profile& profile, const Block& block, const ModalSta
                        "which of them the axis words belong to is not defined", "split the block");
   }
   if (taken && out.tool_length == 431 && axis_words_taken(out.zero)) {
-    return whole_block("E-BLOCK", "two codes of this block use the axis words", "which of them they belong to is not defined",
-                       "split the block");
+    return whole_block("E-BLOCK", "two codes of this block use the axis words",
+                       "which of them they belong to is not defined", "split the block");
   }
-  if (out.rotation >= 0 && (out.states_motion || out.zero >= 0 || out.wcs >= 0 || (out.rotation == 0 && out.moves_axes))) {
-    return whole_block("E-BLOCK", "a rotation together with other codes or words", "in which order the control takes them is not sure",
+  if (out.rotation >= 0 &&
+      (out.states_motion || out.zero >= 0 || out.wcs >= 0 || (out.rotation == 0 && out.moves_axes))) {
+    return whole_block("E-BLOCK", "a rotation together with other codes or words",
+                       "in which order the control takes them is not sure",
                        "give the rotation a block of its own");
   }
   const bool alone = !out.states_motion && out.wcs < 0 && out.tool_length < 0 && out.tcp < 0;
   if (makes_frame(out.zero) && (!alone || (out.zero >= 681 && out.moves_axes))) {
-    return whole_block("E-BLOCK", "a frame together with other codes or words", "in which order the control takes them is not sure", "give the frame a block of its own");
+    return whole_block("E-BLOCK", "a frame together with other codes or words",
+                       "in which order the control takes them is not sure",
+                       "give the frame a block of its own");
   }
   if (out.smooths && out.moves_axes) {
-    return whole_block("E-BLOCK", "axis words beside a smoothing code", "whether they move the machine is not known", "split the block");
+    return whole_block("E-BLOCK", "axis words beside a smoothing code",
+                       "whether they move the machine is not known", "split the block");
   }
   const bool centre_alone = is_arc(state.motion) && (present & kCentreBits) != 0;  // a full circle
   if (!out.states_motion && (out.moves_axes || centre_alone) && !taken) {
@@ -423,17 +481,20 @@ bool read_instruction(const Profile& profile, const Block& block, const ModalSta
   }
   if (out.motion == 800 && out.moves_axes && !taken) {
     return whole_block("E-MODE", "axis words without a motion in force",
-                       "the control refuses them, or moves in a way the program does not state", "write G0, G1, G2 or G3");
+                       "the control refuses them, or moves in a way the program does not state",
+                       "write G0, G1, G2 or G3");
   }
   if (out.zero == 530 && out.motion != 0 && out.motion != 10) {
     if (out.states_motion || (state.motion != 0 && state.motion != 10)) {
-      return whole_block("E-G53", "G53 without G0 or G1", "only lines can be commanded in machine coordinates", "write G53 G0 or G53 G1");
+      return whole_block("E-G53", "G53 without G0 or G1",
+                         "only lines can be commanded in machine coordinates", "write G53 G0 or G53 G1");
     }
     out.motion = state.motion;
     out.motion_words = state.motion_words;
   }
   if (beside_motion && taken && (present & kAxisBits) == 0) {
-    return whole_block("E-BLOCK", "a reference return without an axis", "which axes go there depends on the control", "write G28 G91 Z0");
+    return whole_block("E-BLOCK", "a reference return without an axis",
+                       "which axes go there depends on the control", "write G28 G91 Z0");
   }
   const LetterSet unused = present & ~(reading.used | (out.states_motion ? 0 : out.motion_words));
   if (unused != 0) {
@@ -441,7 +502,8 @@ bool read_instruction(const Profile& profile, const Block& block, const ModalSta
       const Word& word = block.words[static_cast<std::size_t>(i)];
       if (word.letter == 'G' || word.letter == 'M' || !(unused & bit(word.letter))) continue;
       reading.refuse(word, "E-WORD", spelled(block, word) + ": no code of this block uses this word",
-                     "the control refuses it, or gives it a meaning that is not known here", "remove it, or add the code it belongs to");
+                     "the control refuses it, or gives it a meaning that is not known here",
+                     "remove it, or add the code it belongs to");
     }
     return false;
   }

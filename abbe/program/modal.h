@@ -11,7 +11,8 @@
 
 namespace abbe {
 
-/// G codes are named by ten times the number they have in RS274/NGC, whatever the control calls them: G1 = 10, G92.1 = 921.
+/// G codes are named by ten times the number they have in RS274/NGC, whatever the control calls them: G1 =
+/// 10, G92.1 = 921.
 using GCode = int;
 
 enum class Plane : std::uint8_t { xy, zx, yz };
@@ -19,28 +20,33 @@ enum class Plane : std::uint8_t { xy, zx, yz };
 /// First, second and third (normal) axis of a plane, 0 1 2 = X Y Z; right-handed in this order.
 [[nodiscard]] constexpr std::array<int, 3> plane_axes(Plane plane) {
   switch (plane) {
-    case Plane::zx: return {2, 0, 1};
-    case Plane::yz: return {1, 2, 0};
-    default: return {0, 1, 2};
+    case Plane::zx:
+      return {2, 0, 1};
+    case Plane::yz:
+      return {1, 2, 0};
+    default:
+      return {0, 1, 2};
   }
 }
 
 /// What stays in force from block to block.
 struct ModalState {
-  GCode motion = 800;          ///< G0 G1 G2 G3, a cycle, or G80
+  GCode motion = 800;  ///< G0 G1 G2 G3, a cycle, or G80
   Plane plane = Plane::xy;
   bool inch = false;
-  bool incremental = false;    ///< G91
+  bool incremental = false;      ///< G91
   bool absolute_centre = false;  ///< G90.1
-  GCode feed_mode = 940;       ///< G93 G94 G95
-  bool retract_to_r = true;    ///< G99; so LinuxCNC starts
-  double feed = 0;             ///< F in program units
-  bool has_feed = false;       ///< F given since the feed mode changed
-  LetterSet motion_words = 0;  ///< letters that belong to the motion in force
-  bool units_stated = true, distance_stated = true;  ///< false: the profile assumes nothing, and the program has said nothing
-  bool edges = false;          ///< the control wants the tool offset stated after M6 and at the start (Profile::Tools::edges)
-  bool edge_stated = true;     ///< and it is
-  bool stated = true;          ///< all of these
+  GCode feed_mode = 940;         ///< G93 G94 G95
+  bool retract_to_r = true;      ///< G99; so LinuxCNC starts
+  double feed = 0;               ///< F in program units
+  bool has_feed = false;         ///< F given since the feed mode changed
+  LetterSet motion_words = 0;    ///< letters that belong to the motion in force
+  bool units_stated = true,
+       distance_stated = true;  ///< false: the profile assumes nothing, and the program has said nothing
+  bool edges =
+      false;  ///< the control wants the tool offset stated after M6 and at the start (Profile::Tools::edges)
+  bool edge_stated = true;               ///< and it is
+  bool stated = true;                    ///< all of these
   std::span<const TcpCode> tcp_codes{};  ///< codes of this control that switch tool centre point control
   [[nodiscard]] double unit() const { return inch ? 25.4 : 1.0; }
 };
@@ -50,27 +56,28 @@ struct ModalState {
 
 /// What the words of one block ask for, checked against the list of known codes and against each other.
 struct Instruction {
-  GCode motion = -1;           ///< motion code in force for this block, -1: the block does not move by a motion code
-  bool states_motion = false;  ///< the code is written in this block
-  GCode zero = -1;             ///< group 0: G4 G10 G28 G30 G52 G53 G92 ..
+  GCode motion = -1;  ///< motion code in force for this block, -1: the block does not move by a motion code
+  bool states_motion = false;          ///< the code is written in this block
+  GCode zero = -1;                     ///< group 0: G4 G10 G28 G30 G52 G53 G92 ..
   std::array<std::int8_t, 26> word{};  ///< index of each value word by letter, -1 = absent
-  bool moves_axes = false;     ///< X, Y, Z or A, B, C is written
-  bool turns_axes = false;     ///< A, B or C is written
-  std::int8_t tcp = -1;        ///< 1, 0: tool centre point control is switched on, off
-  bool plain = false;          ///< X Y Z and F only: a line or rapid that was in force
-  int wcs = -1;                ///< work offset: 0 = G54 .. 8 = G59.3, then the further ones
-  GCode tool_length = -1, plane = -1, units = -1, distance = -1, arc_distance = -1, feed_mode = -1, retract = -1;
-  bool dwell_by_f = false;     ///< F is the time of a dwell, no feed
-  int rotation = -1;           ///< 1: a programmed rotation begins (G68), 0: it ends
+  bool moves_axes = false;             ///< X, Y, Z or A, B, C is written
+  bool turns_axes = false;             ///< A, B or C is written
+  std::int8_t tcp = -1;                ///< 1, 0: tool centre point control is switched on, off
+  bool plain = false;                  ///< X Y Z and F only: a line or rapid that was in force
+  int wcs = -1;                        ///< work offset: 0 = G54 .. 8 = G59.3, then the further ones
+  GCode tool_length = -1, plane = -1, units = -1, distance = -1, arc_distance = -1, feed_mode = -1,
+        retract = -1;
+  bool dwell_by_f = false;  ///< F is the time of a dwell, no feed
+  int rotation = -1;        ///< 1: a programmed rotation begins (G68), 0: it ends
   LetterSet motion_words = 0;
-  bool path_control = false;   ///< G61, G64
-  bool smooths = false;        ///< a smoothing that is not modelled is switched
-  bool exact_stop = false;     ///< G9
-  bool tool_change = false;    ///< M6
-  bool set_tool = false;       ///< M61 Q
-  std::int8_t flow = 0;        ///< 1: a subprogram is called, 2: one ends
-  bool ends = false;           ///< M2 M30
-  bool after = false;          ///< a code acts when the motion is done: M0 M1 M2 M30, on some controls M5 M9, G9
+  bool path_control = false;  ///< G61, G64
+  bool smooths = false;       ///< a smoothing that is not modelled is switched
+  bool exact_stop = false;    ///< G9
+  bool tool_change = false;   ///< M6
+  bool set_tool = false;      ///< M61 Q
+  std::int8_t flow = 0;       ///< 1: a subprogram is called, 2: one ends
+  bool ends = false;          ///< M2 M30
+  bool after = false;  ///< a code acts when the motion is done: M0 M1 M2 M30, on some controls M5 M9, G9
 
   [[nodiscard]] const Word* find(const Block& block, char letter) const {
     const int i = word[static_cast<std::size_t>(letter - 'A')];
@@ -87,8 +94,8 @@ struct Instruction {
 
 /// Sorts the words of a block. Everything not known to the control's profile is a finding.
 /// errors   false when the block was refused; `state` is not changed here
-[[nodiscard]] bool read_instruction(const Profile& profile, const Block& block, const ModalState& state, std::uint64_t line,
-                                    ProgramFindings& findings, Instruction& instruction);
+[[nodiscard]] bool read_instruction(const Profile& profile, const Block& block, const ModalState& state,
+                                    std::uint64_t line, ProgramFindings& findings, Instruction& instruction);
 
 /// Puts the modal codes of the instruction in force, in the control's order of execution.
 void apply_modal(const Block& block, const Instruction& instruction, ModalState& state);

@@ -36,7 +36,8 @@ class NamedLine {
         block_.has_comment = block_.has_semicolon = true;
         return std::nullopt;
       }
-      if (auto error = is_letter(text_[at_]) || text_[at_] == '_' ? read_word() : std::optional(strange())) return error;
+      if (auto error = is_letter(text_[at_]) || text_[at_] == '_' ? read_word() : std::optional(strange()))
+        return error;
     }
     return std::nullopt;
   }
@@ -59,11 +60,21 @@ class NamedLine {
 
   [[nodiscard]] BlockError strange() const {
     const auto byte = static_cast<unsigned char>(text_[at_]);
-    const std::string what = byte >= 0x20 && byte < 0x7f ? fmt::format("'{}'", text_[at_]) : fmt::format("byte 0x{:02X}", byte);
-    return {"E-CHAR", at_, 1, what + " where a word should begin", "what the block does is not known", "remove it, or put it behind ';'"};
+    const std::string what =
+        byte >= 0x20 && byte < 0x7f ? fmt::format("'{}'", text_[at_]) : fmt::format("byte 0x{:02X}", byte);
+    return {"E-CHAR",
+            at_,
+            1,
+            what + " where a word should begin",
+            "what the block does is not known",
+            "remove it, or put it behind ';'"};
   }
   [[nodiscard]] static BlockError expression(std::size_t at, std::size_t length, std::string_view name) {
-    return {"E-EXPR", at, length, fmt::format("{}: not a literal number", name), "where the axes go depends on values that only the control knows when the program runs",
+    return {"E-EXPR",
+            at,
+            length,
+            fmt::format("{}: not a literal number", name),
+            "where the axes go depends on values that only the control knows when the program runs",
             "post the program with literal coordinates (variables resolved)"};
   }
 
@@ -80,11 +91,16 @@ class NamedLine {
       at_ = end + 1;
       return std::nullopt;
     }
-    if (const Profile::Keyword* keyword = find_keyword(profile_, name)) return read_keyword(*keyword, begin, end);
+    if (const Profile::Keyword* keyword = find_keyword(profile_, name))
+      return read_keyword(*keyword, begin, end);
     if (next == '=') return read_assignment(name, begin, end);
     if (!plain) {
-      return BlockError{"E-GCODE", begin, end - begin, fmt::format("{} is not known to the {} profile", name, profile_.title),
-                        "a word that is not understood may move the machine or change a frame", "remove it, or post without it"};
+      return BlockError{"E-GCODE",
+                        begin,
+                        end - begin,
+                        fmt::format("{} is not known to the {} profile", name, profile_.title),
+                        "a word that is not understood may move the machine or change a frame",
+                        "remove it, or post without it"};
     }
     return read_letter(name[0], begin, begin + 1);
   }
@@ -95,11 +111,17 @@ class NamedLine {
     if (letter == 'T' && at < text_.size() && text_[at] == '"') return read_tool_name(begin, at);
     const Decimal number = read_decimal(text_.substr(at));
     if (number.length == 0 || !begins_number(text_[at])) {
-      return BlockError{"E-EXPR", begin, std::max<std::size_t>(1, at - begin), fmt::format("{} is not followed by a literal number", letter),
-                        "where the axes go depends on values that only the control knows when the program runs", "post the program with literal numbers"};
+      return BlockError{
+          "E-EXPR",
+          begin,
+          std::max<std::size_t>(1, at - begin),
+          fmt::format("{} is not followed by a literal number", letter),
+          "where the axes go depends on values that only the control knows when the program runs",
+          "post the program with literal numbers"};
     }
     const std::size_t end = at + number.length;
-    if (end < text_.size() && !may_follow_number(text_[end])) return expression(begin, end + 1 - begin, text_.substr(begin, end + 1 - begin));
+    if (end < text_.size() && !may_follow_number(text_[end]))
+      return expression(begin, end + 1 - begin, text_.substr(begin, end + 1 - begin));
     constexpr double kNoCode = -1;  // beyond the numbers of codes: not known
     const bool beyond = letter == 'G' && number.value >= static_cast<double>(Profile::kGCodes) / 10;
     return add(letter, begin, at, end, beyond ? kNoCode : number.value, number.decimals);
@@ -109,7 +131,9 @@ class NamedLine {
   std::optional<BlockError> read_tool_name(std::size_t begin, std::size_t quote) {
     const std::size_t close = text_.find('"', quote + 1);
     if (close != std::string_view::npos) return add('T', begin, quote, close + 1, 0, 0);
-    return BlockError{"E-TOOL", begin, text_.size() - begin, "the name of the tool has no end", "the tool is not known", "add '\"'"};
+    return BlockError{
+        "E-TOOL",  begin, text_.size() - begin, "the name of the tool has no end", "the tool is not known",
+        "add '\"'"};
   }
 
   std::optional<BlockError> read_assignment(const std::string& name, std::size_t begin, std::size_t end) {
@@ -121,28 +145,39 @@ class NamedLine {
     return read_letter(letter, begin, equals + 1);
   }
 
-  std::optional<BlockError> read_keyword(const Profile::Keyword& keyword, std::size_t begin, std::size_t end) {
+  std::optional<BlockError> read_keyword(const Profile::Keyword& keyword, std::size_t begin,
+                                         std::size_t end) {
     const CodeUse& use = profile_.g[keyword.index];
     if (use.refusal != 0) {
       const CodeRefusal& refusal = profile_.refusals[use.refusal - 1U];
-      return BlockError{refusal.error.empty() ? "E-GCODE" : refusal.error.c_str(), begin, end - begin, fmt::format("{} cannot be compensated", keyword.name), refusal.why, refusal.fix};
+      return BlockError{refusal.error.empty() ? "E-GCODE" : refusal.error.c_str(), begin,       end - begin,
+                        fmt::format("{} cannot be compensated", keyword.name),     refusal.why, refusal.fix};
     }
     using Form = Profile::Form;
     std::size_t last = end;
     const char next = next_after_blanks(end);
     bool good = next != '(' || keyword.form == Form::arguments || keyword.form == Form::empty;
-    if (keyword.form == Form::value) good = behind_value(end, last);
-    else if (good && next == '(') good = behind_brackets(text_.find('(', end), last) && (keyword.form == Form::arguments || all_blank(text_.find('(', end) + 1, last - 1));
-    else good = good && next != '=' && next != '[';
+    if (keyword.form == Form::value)
+      good = behind_value(end, last);
+    else if (good && next == '(')
+      good = behind_brackets(text_.find('(', end), last) &&
+             (keyword.form == Form::arguments || all_blank(text_.find('(', end) + 1, last - 1));
+    else
+      good = good && next != '=' && next != '[';
     if (!good) {
-      return BlockError{"E-GCODE", begin, end - begin, fmt::format("{} in a form that is not known", keyword.name), "what it does depends on what follows it",
+      return BlockError{"E-GCODE",
+                        begin,
+                        end - begin,
+                        fmt::format("{} in a form that is not known", keyword.name),
+                        "what it does depends on what follows it",
                         "remove it, or post without it"};
     }
     return add('G', begin, begin, last, static_cast<double>(keyword.index) / 10, 0);
   }
 
   [[nodiscard]] bool all_blank(std::size_t from, std::size_t to) const {
-    return std::all_of(text_.begin() + static_cast<std::ptrdiff_t>(from), text_.begin() + static_cast<std::ptrdiff_t>(to), is_blank);
+    return std::all_of(text_.begin() + static_cast<std::ptrdiff_t>(from),
+                       text_.begin() + static_cast<std::ptrdiff_t>(to), is_blank);
   }
   // "(..)" with brackets and quoted text inside.
   [[nodiscard]] bool behind_brackets(std::size_t open, std::size_t& last) const {
@@ -178,12 +213,24 @@ class NamedLine {
     return number.length > 0 && (last == text_.size() || may_follow_number(text_[last]));
   }
 
-  std::optional<BlockError> add(char letter, std::size_t begin, std::size_t number, std::size_t end, double value, int decimals) {
+  std::optional<BlockError> add(char letter, std::size_t begin, std::size_t number, std::size_t end,
+                                double value, int decimals) {
     if (block_.count == Block::kMaxWords) {
-      return BlockError{"E-BLOCK", begin, 1, fmt::format("more than {} words in one block", Block::kMaxWords), "no control accepts such a block", "break the block into several"};
+      return BlockError{"E-BLOCK",
+                        begin,
+                        1,
+                        fmt::format("more than {} words in one block", Block::kMaxWords),
+                        "no control accepts such a block",
+                        "break the block into several"};
     }
     Word& word = block_.words[static_cast<std::size_t>(block_.count++)];
-    word = {letter, true, static_cast<std::uint16_t>(begin), static_cast<std::uint16_t>(number), static_cast<std::uint16_t>(end), static_cast<std::uint16_t>(decimals), value};
+    word = {letter,
+            true,
+            static_cast<std::uint16_t>(begin),
+            static_cast<std::uint16_t>(number),
+            static_cast<std::uint16_t>(end),
+            static_cast<std::uint16_t>(decimals),
+            value};
     block_.words_end = word.end;
     at_ = end;
     return std::nullopt;
@@ -204,8 +251,13 @@ std::optional<BlockError> read_named_block(std::string_view line, const Profile&
   block.slash_begin = block.slash_end = block.words_end = 0;
   block.count = 0;
   if (block.text.size() > kMaxBlockBytes) {
-    return BlockError{"E-LINELEN", kMaxBlockBytes, 1, fmt::format("the line has {} bytes, {} is the limit", block.text.size(), kMaxBlockBytes),
-                      "longer lines are not read", "break the block into two"};
+    return BlockError{
+        "E-LINELEN",
+        kMaxBlockBytes,
+        1,
+        fmt::format("the line has {} bytes, {} is the limit", block.text.size(), kMaxBlockBytes),
+        "longer lines are not read",
+        "break the block into two"};
   }
   return NamedLine(profile, block).read();
 }

@@ -6,14 +6,16 @@
 
 namespace abbe {
 
-void ProgramFindings::add(Severity severity, const std::string& code, std::uint64_t line, std::string_view text,
-                   std::size_t column, std::size_t length, std::string message, std::string why, std::string fix) {
+void ProgramFindings::add(Severity severity, const std::string& code, std::uint64_t line,
+                          std::string_view text, std::size_t column, std::size_t length, std::string message,
+                          std::string why, std::string fix) {
   if (severity == Severity::error) ++errors_;
   if (++count_[code] > kPerCode) return;
   Diagnostic d;
   d.severity = severity;
   d.code = code;
-  d.place = Place{file_, line, line == 0 ? 0 : column + 1, length, std::string(text.substr(0, kMaxBlockBytes))};
+  d.place =
+      Place{file_, line, line == 0 ? 0 : column + 1, length, std::string(text.substr(0, kMaxBlockBytes))};
   d.message = std::move(message);
   d.why = std::move(why);
   d.fix = std::move(fix);
@@ -21,7 +23,8 @@ void ProgramFindings::add(Severity severity, const std::string& code, std::uint6
 }
 
 void ProgramFindings::add(const BlockError& error, std::uint64_t line, std::string_view text) {
-  add(Severity::error, error.code, line, text, error.column, error.length, error.message, error.why, error.fix);
+  add(Severity::error, error.code, line, text, error.column, error.length, error.message, error.why,
+      error.fix);
 }
 
 Diagnostics ProgramFindings::take() {

@@ -16,8 +16,9 @@ class ProgramFindings {
   explicit ProgramFindings(std::string file) : file_(std::move(file)) {}
 
   /// `column` counts from 0 in the block's text.
-  [[gnu::cold]] void add(Severity severity, const std::string& code, std::uint64_t line, std::string_view text, std::size_t column,
-           std::size_t length, std::string message, std::string why, std::string fix);
+  [[gnu::cold]] void add(Severity severity, const std::string& code, std::uint64_t line,
+                         std::string_view text, std::size_t column, std::size_t length, std::string message,
+                         std::string why, std::string fix);
   [[gnu::cold]] void add(const BlockError& error, std::uint64_t line, std::string_view text);
 
   [[nodiscard]] bool refused() const { return errors_ > 0; }

@@ -15,7 +15,9 @@ int program_number(std::string_view line) {
   const std::size_t begin = line.find_first_not_of(" \t");
   if (begin == std::string_view::npos || (line[begin] != 'O' && line[begin] != 'o')) return -1;
   const Decimal number = read_decimal(line.substr(begin + 1));
-  return number.length == 0 || number.has_point || number.has_sign || number.value > 99999999 ? -1 : static_cast<int>(number.value);
+  return number.length == 0 || number.has_point || number.has_sign || number.value > 99999999
+             ? -1
+             : static_cast<int>(number.value);
 }
 
 bool begins_another(std::string_view line) {

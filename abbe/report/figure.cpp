@@ -23,7 +23,7 @@ constexpr double kStripLeft = 96, kStripRight = 1080, kStripHeight = 112;
 constexpr double kBeforeTop = 562, kAfterTop = 704;
 constexpr std::size_t kMostSegments = 4000;  ///< drawn per picture
 constexpr int kStripColumns = 700;           ///< of which the least and the largest value are drawn
-constexpr double kFlat = 0.35;  ///< thinner than this part of the second extent: seen from above
+constexpr double kFlat = 0.35;               ///< thinner than this part of the second extent: seen from above
 
 constexpr std::string_view kMicrometre = "\xC2\xB5m";
 constexpr std::string_view kGrey = "#777777", kLightGrey = "#bbbbbb", kGrid = "#e4e4e4";
@@ -186,9 +186,7 @@ void draw_path(SvgPage& page, const Projection& to_page, const std::vector<PathS
   const auto inside = [&](PagePoint p) {
     return p.x >= left && p.x <= left + kPathWidth && p.y >= top && p.y <= top + kPathHeight;
   };
-  const auto band = [&](const PathSample& s) {
-    return shade_of(deviation_um(s, side), most_um);
-  };
+  const auto band = [&](const PathSample& s) { return shade_of(deviation_um(s, side), most_um); };
   // Rapids first, below the cut; only what lies within the panel.
   std::vector<std::vector<PagePoint>> rapids;
   for (std::size_t i = 1; i < samples.size(); ++i) {

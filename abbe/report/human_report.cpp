@@ -37,8 +37,9 @@ std::string verify_text(const ProgramReport& report, const VerifyReport& verify)
   std::string text = line("before", deviation_text(verify.before));
   text += line("after", deviation_text(verify.after));
   if (verify.direction_before > 0) {
-    text += line("tool axis", fmt::format("at most {:.1f} urad askew before, {:.1f} urad after, while rotary axes turn",
-                                          verify.direction_before / urad, verify.direction_after / urad));
+    text += line("tool axis",
+                 fmt::format("at most {:.1f} urad askew before, {:.1f} urad after, while rotary axes turn",
+                             verify.direction_before / urad, verify.direction_after / urad));
   }
   text += line("allowed", fmt::format("{} um ({} um tolerance, {} um for the digits of the program)",
                                       length_um(verify.allowed), length_um(report.tolerance),
@@ -71,11 +72,13 @@ std::string rewrite_text(const RewriteReport& rewrite) {
   text +=
       line("corrections", fmt::format("{}; steepest {:.0f} um/m", most, rewrite.max_gradient / um * metre));
   if (rewrite.sensitivity) {
-    text += line("sensitivity", fmt::format("per mm that a work offset is wrong {:.2g} um, per mm of gauge length {:.2g} um",
-                                            rewrite.sensitivity->offset / um, rewrite.sensitivity->length / um));
+    text += line("sensitivity",
+                 fmt::format("per mm that a work offset is wrong {:.2g} um, per mm of gauge length {:.2g} um",
+                             rewrite.sensitivity->offset / um, rewrite.sensitivity->length / um));
   }
   if (rewrite.held_blocks > 0) {
-    text += line("held", fmt::format("in {} blocks a rotary axis stays near a singularity, where it would turn too far for a correction",
+    text += line("held", fmt::format("in {} blocks a rotary axis stays near a singularity, where it would "
+                                     "turn too far for a correction",
                                      rewrite.held_blocks));
   }
   if (rewrite.cycle_residual > 0) {

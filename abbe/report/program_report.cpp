@@ -219,7 +219,9 @@ std::string json_report(const ProgramReport& report) {
     json.member("quantisation_um", verify.quantisation / um).member("tolerance_um", report.tolerance / um);
     json.member("allowed_um", verify.allowed / um).member("lost_motion_um", verify.lost_motion / um);
     json.key("tool_axis").begin_object(Layout::one_line);
-    json.member("before_max_urad", verify.direction_before / urad).member("after_max_urad", verify.direction_after / urad).end();
+    json.member("before_max_urad", verify.direction_before / urad)
+        .member("after_max_urad", verify.direction_after / urad)
+        .end();
     json.key("compared").begin_object(Layout::one_line);
     json.member("feed_motions", verify.feed_motions).member("rapid_motions", verify.rapid_motions);
     json.member("points", verify.points)

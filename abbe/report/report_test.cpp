@@ -118,7 +118,8 @@ TEST_F(Report, JsonHasTheMembersThatScriptsRelyOn) {
   EXPECT_DOUBLE_EQ(read["tolerance_um"], 1);
   EXPECT_DOUBLE_EQ(read["datum"]["removed_um"][1], -4.0);
   EXPECT_EQ(read["datum"]["frames"][0]["frame"], "G54");
-  EXPECT_EQ(read["blocks"], json::parse(R"({"motion":5000,"rewritten":4990,"split":3,"passed":200,"held":0})"));
+  EXPECT_EQ(read["blocks"],
+            json::parse(R"({"motion":5000,"rewritten":4990,"split":3,"passed":200,"held":0})"));
   EXPECT_EQ(read["arcs"], json::parse(R"({"in":12,"out":14})"));
   EXPECT_DOUBLE_EQ(read["corrections"]["max_um"][2], 22.7);
   EXPECT_EQ(read["corrections"]["lines"], json::array({88, 99, 111}));

@@ -93,8 +93,10 @@ std::unique_ptr<abbe_rt_model> load(const char* machine_file, const char* sensor
   const Plan::Impl& impl = std::get<Plan>(plan).impl();
   model->flat = kernel::FlatPlan::make(std::get<Plan>(plan));
   if (model->flat == nullptr) {
-    why = "some error depends on several axes or on a velocity, or is frozen outside its domain: the real-time core "
-          "knows functions of one position only";
+    why =
+        "some error depends on several axes or on a velocity, or is frozen outside its domain: the real-time "
+        "core "
+        "knows functions of one position only";
     return nullptr;
   }
   model->kernel = &kernel::best();
@@ -119,8 +121,8 @@ extern "C" {
 
 int abbe_rt_version(void) { return ABBE_RT_VERSION; }
 
-abbe_rt_model* abbe_rt_load(const char* machine_file, const char* sensors, double max_correction, char* message,
-                            std::size_t size) {
+abbe_rt_model* abbe_rt_load(const char* machine_file, const char* sensors, double max_correction,
+                            char* message, std::size_t size) {
   tell(message, size, "");
   try {
     std::string why;
@@ -143,7 +145,8 @@ const char* abbe_rt_axis_name(const abbe_rt_model* model, int axis) {
 }
 
 int abbe_rt_is_rotary(const abbe_rt_model* model, int axis) {
-  return axis >= 0 && axis < abbe_rt_axis_count(model) && (model->flat->view().rotary >> axis & 1) != 0 ? 1 : 0;
+  return axis >= 0 && axis < abbe_rt_axis_count(model) && (model->flat->view().rotary >> axis & 1) != 0 ? 1
+                                                                                                        : 0;
 }
 
 double abbe_rt_gauge_length(const abbe_rt_model* model) { return model->machine.tool.length; }

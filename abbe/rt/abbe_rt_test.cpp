@@ -52,7 +52,8 @@ EXY = { poly = [0, 0.2], of = "T1", reference = 20 }
 /// A machine file that is gone at the end of the test.
 struct File {
   explicit File(const std::string& text)
-      : path(testing::TempDir() + "abbe_rt_" + std::to_string(reinterpret_cast<std::uintptr_t>(this)) + ".toml") {
+      : path(testing::TempDir() + "abbe_rt_" + std::to_string(reinterpret_cast<std::uintptr_t>(this)) +
+             ".toml") {
     std::FILE* f = std::fopen(path.c_str(), "w");
     std::fputs(text.c_str(), f);
     std::fclose(f);
@@ -167,7 +168,8 @@ TEST(RealTime, WhatCannotBeCorrectedIsHeld) {
 /// Five axes restore the whole tool, whatever its length; three leave the tilt, whose lever the length is.
 TEST(RealTime, TheGaugeLengthIsALever) {
   const Model model(
-      "format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z t\"\n[errors]\nEBX = { poly = [0, 1] }\n", nullptr);
+      "format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z t\"\n[errors]\nEBX = { poly = [0, 1] }\n",
+      nullptr);
   ASSERT_NE(model.model, nullptr) << model.why;
   const std::array<double, 3> q = {100, 0, 0};
   for (const double length : {0.0, 200.0}) {
@@ -180,7 +182,8 @@ TEST(RealTime, TheGaugeLengthIsALever) {
 
 TEST(RealTime, LargeCorrectionsAreHeld) {
   // 40 mm instead of 40 um: a slip of the unit.
-  const std::string text = "format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z t\"\n[errors]\nEYY = 40000\n";
+  const std::string text =
+      "format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z t\"\n[errors]\nEYY = 40000\n";
   const Model usual(text), allowed(text, "", 100);
   ASSERT_NE(usual.model, nullptr) << usual.why;
   ASSERT_NE(allowed.model, nullptr) << allowed.why;

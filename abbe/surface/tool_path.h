@@ -68,8 +68,8 @@ inline constexpr std::size_t kMostPasses = 20000, kMostPathPoints = 2000000;
 ///               q / (q - R))
 ///
 /// Passes are lines in the parameters: at fixed stations the next pass is where scallop or step have the
-/// wanted value (fixed point, 1e-13), straight between them. The last pass is the rim; what is then nearer than
-/// wanted stays so.
+/// wanted value (fixed point, 1e-13), straight between them. The last pass is the rim; what is then nearer
+/// than wanted stays so.
 ///
 /// errors   ToolPathFault: the hollow is checked at every contact, the rest of the surface by its nearest
 /// point laws     CurvatureDecidesTheStep, FlatStepIsTheFormula, ScallopIsKept, ChordsKeepTheTolerance,

@@ -32,8 +32,8 @@ Decimal read_spaced_decimal(std::string_view text) {
   return decimal;
 }
 
-/// Usual words: a value letter, at once its number, then the end or a blank and the next letter. Reads as many as
-/// there are from p on and returns where they end.
+/// Usual words: a value letter, at once its number, then the end or a blank and the next letter. Reads as
+/// many as there are from p on and returns where they end.
 const char* plain_words(const char* begin, const char* p, const char* end, Block& block) {
   Letters words = block.words;
   while (p != end) {
@@ -170,7 +170,6 @@ class Scanner : public WordTaker {
     if (letter == 'M') return m_word(number.value, column);
     return value_word(letter, number.value, column, first);
   }
-
 };
 
 /// The words whose number stands without a point; zeros are the same either way.
@@ -180,7 +179,8 @@ Letters words_without_point(std::string_view line, const Block& block) {
     if ((block.words >> i & 1) == 0 || block.value[i] == 0) continue;
     std::size_t at = block.column[i];  // columns count from 1: this is behind the letter
     bool point = false;
-    for (; at < line.size() && (is_blank(line[at]) || is_number_start(line[at])); ++at) point = point || line[at] == '.';
+    for (; at < line.size() && (is_blank(line[at]) || is_number_start(line[at])); ++at)
+      point = point || line[at] == '.';
     if (!point) found |= Letters{1} << i;
   }
   return found;
@@ -193,10 +193,12 @@ constexpr std::size_t kEverywhere = 60;
 bool read_rules(std::string_view line, const Profile& profile, Block& block, Fault& fault) {
   const bool words = block.words != 0 || block.g_groups != 0 || block.m_groups != 0;
   if (words && line.size() > profile.text.block_bytes)
-    return refuse(fault, profile.text.block_bytes + 1, 1, "E-LINELEN",
-                  fmt::format("the line has {} bytes, the control reads {}", line.size(), profile.text.block_bytes),
-                  "the control stops at longer lines", "shorten the line");
-  if (profile.numbers.integer_words != Profile::IntegerWords::units) block.pointless = words_without_point(line, block);
+    return refuse(
+        fault, profile.text.block_bytes + 1, 1, "E-LINELEN",
+        fmt::format("the line has {} bytes, the control reads {}", line.size(), profile.text.block_bytes),
+        "the control stops at longer lines", "shorten the line");
+  if (profile.numbers.integer_words != Profile::IntegerWords::units)
+    block.pointless = words_without_point(line, block);
   return true;
 }
 
@@ -221,7 +223,8 @@ bool read_block(std::string_view line, const Profile& profile, Block& block, Fau
   const char* const behind = plain_words(begin, begin, begin + line.size(), block);
   const auto plain = static_cast<std::size_t>(behind - begin);
   if (plain != line.size() && !Scanner(line, plain, profile, block, fault, tcp_codes).scan()) return false;
-  const bool usual = line.size() <= kEverywhere && profile.numbers.integer_words == Profile::IntegerWords::units;
+  const bool usual =
+      line.size() <= kEverywhere && profile.numbers.integer_words == Profile::IntegerWords::units;
   return usual || read_rules(line, profile, block, fault);
 }
 

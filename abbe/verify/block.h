@@ -36,8 +36,8 @@ constexpr Letters letters(Char... letter) {
 /// The words of one block, before any meaning. Arrays are valid only where a bit says so, so that
 /// clearing a block costs four stores.
 struct Block {
-  static constexpr int kGroups = 16;  ///< LinuxCNC's modal groups of G codes; 11 is rotation
-  static constexpr int kStops = 4;    ///< M group: M0 M1 M2 M30 M60
+  static constexpr int kGroups = 16;            ///< LinuxCNC's modal groups of G codes; 11 is rotation
+  static constexpr int kStops = 4;              ///< M group: M0 M1 M2 M30 M60
   static constexpr int kFurtherOffset = 10000;  ///< in the group of work offsets: P says which
   static constexpr int kMaxExtras = 12;
   static constexpr int kMGroups = 10;
@@ -66,10 +66,10 @@ struct Block {
   int extra_count = 0;
   std::array<Extra, kMaxExtras> extras;
   Letters pointless = 0;  ///< words whose number has no point, where that matters
-  int tcp_code = -1;       ///< 10 times the number of a code that switches tool centre point control
+  int tcp_code = -1;      ///< 10 times the number of a code that switches tool centre point control
   char tcp_letter = 'G';
-  bool tcp = false;        ///< on or off
-  bool deletable = false;  ///< starts with '/'
+  bool tcp = false;            ///< on or off
+  bool deletable = false;      ///< starts with '/'
   std::string_view tool_name;  ///< T="..", without quotes; the T word is then 0
   int comment_count = 0;
   std::array<std::string_view, kMaxComments> comments;  ///< with their delimiters
@@ -88,10 +88,9 @@ struct Block {
   }
 };
 
-/// Splits one line (without its end of line) into words, as the control of the profile does. Every byte is part
-/// of a known word, a comment or blank, or the block is refused.
-/// errors   false with `fault` filled: E-CHAR E-COMMENT E-LINELEN E-OWORD E-EXPR E-NUMBER E-WORD
-/// E-AXIS
+/// Splits one line (without its end of line) into words, as the control of the profile does. Every byte is
+/// part of a known word, a comment or blank, or the block is refused. errors   false with `fault` filled:
+/// E-CHAR E-COMMENT E-LINELEN E-OWORD E-EXPR E-NUMBER E-WORD E-AXIS
 ///          E-GCODE E-MCODE E-CUTCOM E-BLOCK
 /// cost     about 10 ns per word, no allocation unless refused
 /// `tcp_codes`: codes of this control that switch tool centre point control.

@@ -19,7 +19,8 @@ Axes bit(int axis) { return Axes{1} << axis; }
 
 bool same_words(const Motion& a, const Motion& b) {
   for (std::size_t k = 0; k < 3; ++k)
-    if ((a.named_turns >> k & 1) != 0 && !(std::abs(a.turn_words[k] - b.turn_words[k]) <= kSameWord)) return false;
+    if ((a.named_turns >> k & 1) != 0 && !(std::abs(a.turn_words[k] - b.turn_words[k]) <= kSameWord))
+      return false;
   return a.named == b.named && a.named_turns == b.named_turns && a.incremental == b.incremental &&
          (a.words - b.words).cwiseAbs().maxCoeff() <= kSameWord;
 }
@@ -64,7 +65,9 @@ void Comparison::compare_rapid(const Motion& original, const Motion& output) {
   check_reach(original.end.at, output.end.at);
   if (original.turns()) {
     const Vec3 axis = model_.nominal_pose(original.end.at).tool_axis;
-    const auto angle = [&](const Vec3& other) { return std::atan2(axis.cross(other).norm(), axis.dot(other)); };
+    const auto angle = [&](const Vec3& other) {
+      return std::atan2(axis.cross(other).norm(), axis.dot(other));
+    };
     const double after = angle(model_.actual_pose(output.end.at, nullptr).tool_axis);
     const Turns output_turns = output_turns_;
     if (!stand(original.turns_end, original.turns_end)) return;
@@ -94,7 +97,8 @@ void Comparison::compare_machine_move(const Motion& original, const Motion& outp
   if (!same_words(original, output))
     disagree("V-END", "a move in machine coordinates (G53) must stay as it is");
   double at = 0;
-  if (const int axis = output.end.known == kAllAxes ? model_.beyond_travel(output.end.at, &at) : -1; axis >= 0)
+  if (const int axis = output.end.known == kAllAxes ? model_.beyond_travel(output.end.at, &at) : -1;
+      axis >= 0)
     disagree("V-TRAVEL", travel_message(axis, at));
 }
 

@@ -160,17 +160,21 @@ void Comparison::compare_event() {
 /// G93 that the original does not have: the output states the time of the turning motion that follows.
 bool Comparison::begins_timed(const Event& found) const {
   constexpr int inverse_time = 930;
-  return output_.profile().feed_of_linear && !timed_ && found.kind == EventKind::g_code && found.code == inverse_time;
+  return output_.profile().feed_of_linear && !timed_ && found.kind == EventKind::g_code &&
+         found.code == inverse_time;
 }
 
 /// Behind such a motion the output must restore feed mode and feed of the original.
 void Comparison::end_timed(const Motion& original) {
   constexpr int per_minute = 940;
   timed_ = false;
-  const bool mode = pull() == Item::event && output_.event().kind == EventKind::g_code && output_.event().code == per_minute;
+  const bool mode = pull() == Item::event && output_.event().kind == EventKind::g_code &&
+                    output_.event().code == per_minute;
   const bool feed = mode && pull() == Item::event && output_.event().kind == EventKind::feed &&
                     output_.event().values[0] == original.feed;
-  if (!feed) disagree_and_stop("V-FEED", fmt::format("G94 F{:g} is not restored behind a motion in inverse time", original.feed));
+  if (!feed)
+    disagree_and_stop(
+        "V-FEED", fmt::format("G94 F{:g} is not restored behind a motion in inverse time", original.feed));
 }
 
 void Comparison::compare_frames() {
@@ -207,7 +211,8 @@ void Comparison::compare_motion() {
   if (stop_ || (turns && !stand(expected.turns_end, output_turns_))) return;
   if (timed_ && !(expected.kind == MotionKind::line && expected.turns() && expected.feed_mode == 940))
     return disagree_and_stop("V-FEED", "G93 in the output for a motion that needs no time of its own");
-  if (expected.feeds() && !expected.machine_words) return expected.turns() ? cover_turning(expected) : cover(expected);
+  if (expected.feeds() && !expected.machine_words)
+    return expected.turns() ? cover_turning(expected) : cover(expected);
   if (!pull_motion()) return;
   const Motion& found = output_.motion();
   output_turns_ = found.turns_end;
@@ -328,21 +333,21 @@ void Comparison::update_context() {
   note_datum(report_.datums, {work_offset_label(frames.active), tool.value_or(-1), datum_});
 }
 
-/// Where the rotary axes of both programs stand from now on. False: the tip cannot be followed there (reported).
+/// Where the rotary axes of both programs stand from now on. False: the tip cannot be followed there
+/// (reported).
 bool Comparison::stand(const Turns& original, const Turns& output) {
   if (!model_.rotary().any()) return true;
   const Stance stance{original, output, original_.tcp(), original_.frames().tool_offset.z()};
   if (stance == model_.stance()) return true;
   reached_.valid = false;
   if (model_.stand(stance)) return true;
-  disagree_and_stop("V-TURN", "with the rotary axes at these positions the linear axes cannot follow the tip");
+  disagree_and_stop("V-TURN",
+                    "with the rotary axes at these positions the linear axes cannot follow the tip");
   return false;
 }
 
 /// sqrt(3) half digits: each coordinate is rounded by at most half a digit.
-double Comparison::quantum() const {
-  return std::sqrt(3.0) * half_digit();
-}
+double Comparison::quantum() const { return std::sqrt(3.0) * half_digit(); }
 
 double Comparison::half_digit() const { return output_.inch() ? half_digit_inch_ : half_digit_mm_; }
 

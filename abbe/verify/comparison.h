@@ -92,7 +92,7 @@ class Comparison {
   /// Tip at the start of a motion: mostly where the last one ended, and then already known.
   [[nodiscard]] Vec3 start_tip(const Vec3& command);
   [[nodiscard]] double half_digit() const;  ///< in the units in force, mm
-  [[nodiscard]] double quantum() const;  ///< allowance for the digits of a point, mm
+  [[nodiscard]] double quantum() const;     ///< allowance for the digits of a point, mm
   double allowed_for(double quantisation);
   void follow(const Vec3& direction);  ///< approach after a motion in this direction
   void keep_sample(const Vec3& position, const Vec3& before, const Vec3& after, bool rapid);
@@ -109,7 +109,7 @@ class Comparison {
   bool context_changed_ = true;
   Vec3 datum_ = Vec3::Zero();
   double straight_reach_ = 0;  ///< lines up to here need no look inside, mm
-  Axes withheld_ = 0;  ///< left in machine coordinates by G53
+  Axes withheld_ = 0;          ///< left in machine coordinates by G53
   Approach approach_{};
   struct Reached {
     bool valid = false;

@@ -115,9 +115,8 @@ bool Control::execute_settled() {
   const Block& block = *block_;
   // Most blocks: axis words for the line or rapid in force, and nothing else.
   const bool words_of_axes = block.words != 0 && (block.words & ~kAxisLetters) == 0;
-  if (words_of_axes && (block.g_groups | block.m_groups) == 0 && (block.comment_count | block.extra_count) == 0 &&
-      block.tcp_code < 0 &&
-      (mode_ == 0 || mode_ == 10)) {
+  if (words_of_axes && (block.g_groups | block.m_groups) == 0 &&
+      (block.comment_count | block.extra_count) == 0 && block.tcp_code < 0 && (mode_ == 0 || mode_ == 10)) {
     motion_code_ = mode_;
     return move();
   }
@@ -132,7 +131,8 @@ bool Control::execute_settled() {
   if (!choose_motion()) return false;
   constexpr std::uint32_t motion_group = 1u << 1;
   const bool plain = (block.g_groups & ~motion_group) == 0 && block.m_groups == 0 && block.extra_count == 0 &&
-                     block.g_code(1) != kNoMotion && (block.words & letters('S', 'T', 'D')) == 0 && block.tcp_code < 0;
+                     block.g_code(1) != kNoMotion && (block.words & letters('S', 'T', 'D')) == 0 &&
+                     block.tcp_code < 0;
   if (plain) {
     if (!feed_words()) return false;
   } else {
@@ -150,12 +150,14 @@ bool Control::choose_motion() {
   const bool offset_words = b.g_code(8) == 431;
   const bool times_by_x = group0 == 40 && (b.g_words[0] & letter_bit('X')) != 0;
   const bool turns = b.g_code(11) == 680;
-  const bool takes_axes = group0 == 100 || group0 == 280 || group0 == 300 || (group0 >= 520 && group0 <= 522) || group0 == 920 || times_by_x || turns;
+  const bool takes_axes = group0 == 100 || group0 == 280 || group0 == 300 ||
+                          (group0 >= 520 && group0 <= 522) || group0 == 920 || times_by_x || turns;
   const bool turns_anew = group0 == 681 || group0 == 682;  // ROT, AROT
   if (takes_axes || offset_words || group0 >= 921 || turns_anew) {
     covets_ = true;
     const std::size_t column = group0 >= 0 ? b.g_column[0] : turns ? b.g_column[11] : b.g_column[8];
-    const bool only_mode = profile_.home_beside_motion && (group0 == 280 || group0 == 300) && (explicit_motion == 0 || explicit_motion == 10);
+    const bool only_mode = profile_.home_beside_motion && (group0 == 280 || group0 == 300) &&
+                           (explicit_motion == 0 || explicit_motion == 10);
     if (explicit_motion >= 0 && explicit_motion != kNoMotion && !only_mode)
       return refuse(column, "E-BLOCK", "a motion code together with a code that uses up the axis words",
                     "the axis words can belong to one of them only", "use two blocks");
@@ -168,7 +170,8 @@ bool Control::choose_motion() {
                                       : explicit_motion;  // a cycle becomes the mode after its first block
     if (is_cycle(explicit_motion)) motion_code_ = explicit_motion;
     if (explicit_motion == 20 || explicit_motion == 30) motion_code_ = explicit_motion;
-    if ((explicit_motion == 0 || explicit_motion == 10) && axis_words && !covets_) motion_code_ = explicit_motion;
+    if ((explicit_motion == 0 || explicit_motion == 10) && axis_words && !covets_)
+      motion_code_ = explicit_motion;
     if (explicit_motion == kNoMotion && axis_words && !covets_)
       return refuse(b.g_column[1], "E-MODE", "axis words with G80", "no motion is active to use them",
                     "give the motion code");
@@ -299,9 +302,12 @@ bool Control::modes() {
     int index = code;
     if (code == Block::kFurtherOffset) {
       int number = 0;
-      if (!b.has('P') || !use('P') || !whole_word('P', number, "E-WCS")) return refuse(b.g_column[12], "E-WCS", "a further work offset without its number P", "the frame is not known", "add P");
+      if (!b.has('P') || !use('P') || !whole_word('P', number, "E-WCS"))
+        return refuse(b.g_column[12], "E-WCS", "a further work offset without its number P",
+                      "the frame is not known", "add P");
       if (number < 1 || number > profile_.offsets.further)
-        return refuse_at('P', "E-WCS", fmt::format("there is no work offset P{}", number), "the frame is not known", "correct the P word");
+        return refuse_at('P', "E-WCS", fmt::format("there is no work offset P{}", number),
+                         "the frame is not known", "correct the P word");
       index = kFixedWorkOffsets - 1 + number;
     }
     if (!profile_.offsets.keeps_shift && frames_.g92 != Vec3::Zero())

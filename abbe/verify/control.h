@@ -32,9 +32,9 @@ class Control {
   [[nodiscard]] const Motion* motion() const { return moves_ ? &motion_ : nullptr; }
   [[nodiscard]] std::span<const Event> after() const { return {after_.data(), after_count_}; }
 
-  /// Where the axis words of a block lead from u (both with g92 in them), in the modes in force: u = word + g92, or
-  /// u + word in G91. Inline, so that coordinates stay in registers: stored one by one and loaded together they
-  /// would have to be waited for.
+  /// Where the axis words of a block lead from u (both with g92 in them), in the modes in force: u = word +
+  /// g92, or u + word in G91. Inline, so that coordinates stay in registers: stored one by one and loaded
+  /// together they would have to be waited for.
   [[nodiscard]] Position led(const Block& block, const Position& u) const {
     const auto coordinate = [&](int i, char letter) {
       if (!block.has(letter)) return u.at[i];
@@ -59,8 +59,10 @@ class Control {
   void flow_followed() { flow_ = 0; }
 
  private:
-  [[gnu::cold]] bool refuse(std::size_t column, const char* code, std::string message, std::string why, std::string fix);
-  [[gnu::cold]] bool refuse_at(char letter, const char* code, std::string message, std::string why, std::string fix);
+  [[gnu::cold]] bool refuse(std::size_t column, const char* code, std::string message, std::string why,
+                            std::string fix);
+  [[gnu::cold]] bool refuse_at(char letter, const char* code, std::string message, std::string why,
+                               std::string fix);
   bool use(char letter);  ///< false (refused) if another code already used this word
   bool use_all(Letters letters);
   bool execute_settled();

@@ -88,7 +88,8 @@ bool Control::select_tool() {
       return true;
     }
   return refuse_at('T', "E-TOOL", fmt::format("no tool of the table has the name {}", block_->tool_name),
-                   "the tool in the spindle is not known", "put name=\"..\" behind ; in its line of the tool table");
+                   "the tool in the spindle is not known",
+                   "put name=\"..\" behind ; in its line of the tool table");
 }
 
 /// The D word of controls whose tools have edges, and where the length then acts.
@@ -98,14 +99,16 @@ bool Control::edge() {
   if (edges != Edges::none && block_->has('D')) {
     const double d = (*block_)['D'];
     if (edges == Edges::tool && d != 0 && d != 1)
-      return refuse_at('D', "E-TOOL", fmt::format("edge {:g} of a tool", d), "the tool table holds one offset per tool", "use D1");
+      return refuse_at('D', "E-TOOL", fmt::format("edge {:g} of a tool", d),
+                       "the tool table holds one offset per tool", "use D1");
     if (!use('D') || !tool_offset(d == 0 ? 490 : 430)) return false;
     fill(events_[event_count_ - 1], EventKind::g_code, d == 0 ? 490 : 430, letter_bit('D'));
     events_[event_count_ - 1].sets_frames = true;
     edge_stated_ = true;
   }
   if (profile_.tools.follows_plane && plane_ != 170 && frames_.tool_offset != Vec3::Zero())
-    return refuse(1, "E-TOOL", "a tool offset in another plane than G17", "the length acts across that plane", "write D0, or use G17");
+    return refuse(1, "E-TOOL", "a tool offset in another plane than G17", "the length acts across that plane",
+                  "write D0, or use G17");
   return true;
 }
 
@@ -115,17 +118,21 @@ bool Control::make_frame(int code) {
   const bool shifts = code < 600, adds = code % 2 == 0;
   if (b.g_code(1) >= 0 || b.g_code(12) >= 0 || b.g_code(8) >= 0 || b.has('D') || b.tcp_code >= 0 ||
       (!shifts && (named_axes(b) != 0 || (b.words & letters('A', 'B', 'C')) != 0)))
-    return refuse(b.g_column[0], "E-BLOCK", "a frame beside other codes", "their order is not defined", "use two blocks");
+    return refuse(b.g_column[0], "E-BLOCK", "a frame beside other codes", "their order is not defined",
+                  "use two blocks");
   if (adds && frames_.turn != 0)
-    return refuse(b.g_column[0], "E-ROTATION", "a further frame in a turned one", "it would count in the turned axes", "write ROT or TRANS first");
+    return refuse(b.g_column[0], "E-ROTATION", "a further frame in a turned one",
+                  "it would count in the turned axes", "write ROT or TRANS first");
   if (!use_all(shifts ? kAxisWords : letter_bit('R'))) return false;
   const bool turns = !shifts && b.has('R');
   if (turns && (plane_ != 170 || frames_.system().rotation != 0))
-    return refuse(b.g_column[0], "E-ROTATION", "a turn outside G17 or in a turned work offset", "its axis is not followed", "use G17 and an offset without rotation");
+    return refuse(b.g_column[0], "E-ROTATION", "a turn outside G17 or in a turned work offset",
+                  "its axis is not followed", "use G17 and an offset without rotation");
   if (!adds) frames_.g92 = Vec3::Zero();
   if (shifts)
     for (int i = 0; i < 3; ++i)
-      if (const char letter = static_cast<char>('X' + i); b.has(letter)) frames_.g92[i] += length_word(letter);
+      if (const char letter = static_cast<char>('X' + i); b.has(letter))
+        frames_.g92[i] += length_word(letter);
   if (!shifts || frames_.turn != 0) {
     frames_.turn = turns ? b['R'] * deg : 0;
     frames_.pivot = Vec3::Zero();
@@ -143,14 +150,18 @@ bool Control::change_flow(int code) {
   constexpr int call = 98, most = 9999;
   const Block& b = *block_;
   const Letters others = b.words & ~(code == call ? letters('N', 'P', 'L') : letter_bit('N'));
-  const bool alone = others == 0 && b.g_groups == 0 && b.extra_count == 0 && (b.m_groups & ~(1u << Block::kStops)) == 0 && b.tcp_code < 0;
+  const bool alone = others == 0 && b.g_groups == 0 && b.extra_count == 0 &&
+                     (b.m_groups & ~(1u << Block::kStops)) == 0 && b.tcp_code < 0;
   if (!alone)
-    return refuse(1, "E-OWORD", "a call or return beside other words", "the order is not defined", "use two blocks");
+    return refuse(1, "E-OWORD", "a call or return beside other words", "the order is not defined",
+                  "use two blocks");
   flow_ = -1;
   if (code != call) return true;
-  if (!b.has('P') || !whole_word('P', flow_, "E-OWORD")) return refuse(1, "E-OWORD", "a call without the number P", "what runs is not known", "add P");
+  if (!b.has('P') || !whole_word('P', flow_, "E-OWORD"))
+    return refuse(1, "E-OWORD", "a call without the number P", "what runs is not known", "add P");
   if (flow_ < 1 || flow_ > most || (b.has('L') && b['L'] != 1))
-    return refuse(1, "E-OWORD", "a call that repeats, or of no number from 1 to 9999", "each run needs other corrections", "expand the calls");
+    return refuse(1, "E-OWORD", "a call that repeats, or of no number from 1 to 9999",
+                  "each run needs other corrections", "expand the calls");
   return true;
 }
 

@@ -120,8 +120,8 @@ bool Control::arc() {
   begin_motion(MotionKind::arc);
   if (!read_turns(false)) return false;
   if (motion_.turns())
-    return refuse(1, "E-ROTARY", "a rotary axis turns along an arc", "how both motions are joined is not known",
-                  "post such paths as lines");
+    return refuse(1, "E-ROTARY", "a rotary axis turns along an arc",
+                  "how both motions are joined is not known", "post such paths as lines");
   const Position from = u_, to = led(*block_, u_);
   motion_.end = machine_of(frames_, to);
   if (from.known != kAllAxes || to.known != kAllAxes) return true;  // refused by move()
@@ -238,13 +238,16 @@ bool Control::cycle_words(int axis) {
   const bool dwells = code == 820 || code == 860 || code == 890;
   const bool pecks = code == 730 || code == 830;
   if (!take('R', cycle_r_, unit_, true) || !take(axis_letter(axis), cycle_z_, unit_, true)) return false;
-  if ((dwells || code == 740 || code == 840) && !take('P', cycle_p_, 1, dwells && profile_.cycles.dwell_needed)) return false;
+  if ((dwells || code == 740 || code == 840) &&
+      !take('P', cycle_p_, 1, dwells && profile_.cycles.dwell_needed))
+    return false;
   if (code == 760 && !(take('P', cycle_p_, 1, false) && take('Q', cycle_q_, unit_, false))) return false;
   if (pecks && !take('Q', cycle_q_, unit_, true)) return false;
   if (pecks && !(*cycle_q_ > 0))
     return refuse_at('Q', "E-CYCLE", "peck depth Q must be above 0", "the hole would never be finished",
                      "correct Q");
-  motion_.cycle.dwell = dwells || code == 760 || ((code == 740 || code == 840) && block_->has('P')) ? cycle_p_.value_or(0) : 0;
+  motion_.cycle.dwell =
+      dwells || code == 760 || ((code == 740 || code == 840) && block_->has('P')) ? cycle_p_.value_or(0) : 0;
   motion_.cycle.peck = pecks ? *cycle_q_ : 0;
   motion_.cycle.aside = code == 760 ? cycle_q_.value_or(0) : 0;
   return true;
@@ -264,8 +267,8 @@ bool Control::canned_cycle() {
   if (const char repeats = profile_.cycles.repeats; block_->has(repeats)) {
     if (!use(repeats) || !whole_word(repeats, cycle.holes, "E-CYCLE")) return false;
     if (cycle.holes < 1 || cycle.holes > kMaxRepeats)
-      return refuse_at(repeats, "E-CYCLE", fmt::format("{}{} repeats", repeats, cycle.holes), "it counts holes: 1 or more",
-                       "correct the word");
+      return refuse_at(repeats, "E-CYCLE", fmt::format("{}{} repeats", repeats, cycle.holes),
+                       "it counts holes: 1 or more", "correct the word");
   }
   const bool sequence_begins = mode_ < 730 || mode_ == 800;
   if (sequence_begins) cycle_level_ = u_.at[c] - frames_.g92[c];

@@ -87,7 +87,8 @@ bool Control::switch_tcp(bool on) {
   // axes = map(point)
   m_.at = on ? (*back)(m_.at) : (*map)(m_.at);
   // Turned away from home the point depends on the control's numbers alone, and on every axis.
-  const bool turned = std::any_of(turns_.begin(), turns_.end(), [](double turn) { return std::abs(turn) > kHome; });
+  const bool turned =
+      std::any_of(turns_.begin(), turns_.end(), [](double turn) { return std::abs(turn) > kHome; });
   if (unknown_turns_ != 0 || turned) m_.known = 0;
   for (int i = 0; i < 3; ++i)
     if ((m_.known >> i & 1) == 0) m_.at[i] = 0;

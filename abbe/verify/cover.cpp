@@ -30,8 +30,8 @@ constexpr double kSmallArc = 20;
 /// this program are written with, so that a place where it turns belongs to the piece before or after it.
 constexpr double kTurned = 0.2;
 
-/// A motion no longer than the tolerance and this has no room for another one that takes up lost motion: it does
-/// so itself, and only where it ends counts.
+/// A motion no longer than the tolerance and this has no room for another one that takes up lost motion: it
+/// does so itself, and only where it ends counts.
 constexpr double kCoarsestDigit = 0.5 * um;
 
 constexpr double kTimeTolerance = 1e-3;   // of the whole time in G93
@@ -134,7 +134,8 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
   cover.tip = start_tip(piece.start.at);
   if (first) {
     const Vec3 deviation = cover.tip - cover.path.point(0);
-    if (deviation.squaredNorm() > cover.allowed * cover.allowed) cover.excess = deviation.norm() - cover.allowed;
+    if (deviation.squaredNorm() > cover.allowed * cover.allowed)
+      cover.excess = deviation.norm() - cover.allowed;
     if (!cover.by_parameter) cover.last_s = cover.path.foot(cover.tip).s;
   }
   // both ends of a motion no longer than its digits may be rounded to one point
@@ -157,8 +158,8 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
 
   const double before_piece = std::clamp(cover.last_s, 0.0, 1.0);
   const bool takes_up_itself = job_.reversal && cover.length <= job_.tolerance + kCoarsestDigit;
-  const bool looks_inside = (piece_length > straight_reach_ && !takes_up_itself) || piece.kind == MotionKind::arc ||
-                            original.kind == MotionKind::arc;
+  const bool looks_inside = (piece_length > straight_reach_ && !takes_up_itself) ||
+                            piece.kind == MotionKind::arc || original.kind == MotionKind::arc;
   double intervals = 1;
   if (looks_inside) {
     intervals = std::ceil(piece_length / kInterval);
@@ -169,7 +170,9 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
       intervals = std::max(intervals, 4.0);
   }
   const int n = static_cast<int>(std::clamp(intervals, 1.0, kMaxIntervals));
-  const auto error_of = [&](const Vec3& tip, const Vec3& command) { return Vec3(tip - model_.nominal(command)); };
+  const auto error_of = [&](const Vec3& tip, const Vec3& command) {
+    return Vec3(tip - model_.nominal(command));
+  };
   Vec3 error = looks_inside ? error_of(cover.tip, piece.start.at) : Vec3(Vec3::Zero());
   double from = 0;
   for (int k = 1; k <= n; ++k) {
@@ -310,8 +313,8 @@ void Comparison::account(Cover& cover, const Motion& piece, double t, const Vec3
   cover.last_s = s;
   cover.furthest = std::max(cover.furthest, s);
   cover.tip = tip;
-  // The error at the output's command, where it is known already: from the one at the original's it differs by
-  // the correction times the gradient of the error, nanometres.
+  // The error at the output's command, where it is known already: from the one at the original's it differs
+  // by the correction times the gradient of the error, nanometres.
   const Vec3 before = tip - model_.nominal(command) - datum_;
   travelled_ = cover.travelled_before + inside * cover.length;
   before_.add(before, weight, original_.line());
@@ -341,8 +344,7 @@ void Comparison::conclude(Cover& cover) {
              fmt::format("the output goes {:.3f} um {} on this motion", cover.worst_back / um,
                          cover.furthest > 1 ? "beyond its end" : "backwards"));
   if (cover.outside) disagree("V-VOL", "this motion leaves the volume in which the errors are known");
-  if (cover.beyond_travel >= 0)
-    disagree("V-TRAVEL", travel_message(cover.beyond_travel, cover.beyond_at));
+  if (cover.beyond_travel >= 0) disagree("V-TRAVEL", travel_message(cover.beyond_travel, cover.beyond_at));
   measure_lost_motion(cover.motion.end.at);
 }
 

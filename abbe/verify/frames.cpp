@@ -25,10 +25,12 @@ Vec3 turned(const Frames& frames, const Vec3& u, double angle) {
 
 Frames frames_of(const ControlSetup& setup, const Profile& profile) {
   const auto known = [](const WorkOffset& given) {
-    return Frames::System{Vec3(given.origin[0], given.origin[1], given.origin[2]), given.rotation, kAllAxes, given.turns};
+    return Frames::System{Vec3(given.origin[0], given.origin[1], given.origin[2]), given.rotation, kAllAxes,
+                          given.turns};
   };
   Frames frames;
-  for (const auto& given : setup.work_offsets) frames.systems.push_back(given ? known(*given) : Frames::System{});
+  for (const auto& given : setup.work_offsets)
+    frames.systems.push_back(given ? known(*given) : Frames::System{});
   for (int number = 1; number <= profile.offsets.further; ++number) {
     const auto given = setup.further_offsets.find(number);
     frames.systems.push_back(given == setup.further_offsets.end() ? Frames::System{} : known(given->second));
@@ -41,7 +43,8 @@ Position machine_of_any(const Frames& frames, const Position& u) {
   Position m;
   m.known = known_after_rotation(u.known, frames.rotation());
   // m = Rz u + origin + tool_offset
-  m.at = rotated_about_z(turned(frames, u.at, frames.turn), system.rotation) + system.origin + frames.tool_offset;
+  m.at = rotated_about_z(turned(frames, u.at, frames.turn), system.rotation) + system.origin +
+         frames.tool_offset;
   if (m.known != kAllAxes) forget_unknown(m);
   return m;
 }
@@ -51,7 +54,8 @@ Position program_of(const Frames& frames, const Position& m) {
   Position u;
   u.known = known_after_rotation(m.known, frames.rotation());
   // u = Rz^-1 (m - origin - tool_offset)
-  u.at = turned(frames, rotated_about_z(m.at - system.origin - frames.tool_offset, -system.rotation), -frames.turn);
+  u.at = turned(frames, rotated_about_z(m.at - system.origin - frames.tool_offset, -system.rotation),
+                -frames.turn);
   if (u.known != kAllAxes) forget_unknown(u);
   return u;
 }

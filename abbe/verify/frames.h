@@ -19,16 +19,16 @@ inline constexpr Axes kAllAxes = 7;
 struct Frames {
   struct System {
     Vec3 origin = Vec3::Zero();
-    double rotation = 0;  ///< rad, about Z
-    Axes defined = 0;     ///< axes whose origin is known
+    double rotation = 0;            ///< rad, about Z
+    Axes defined = 0;               ///< axes whose origin is known
     std::array<double, 3> turns{};  ///< where A B C are zero, rad
   };
   std::vector<System> systems;  ///< G54 .. G59.3, then the further ones
   int active = 0;
   Vec3 g92 = Vec3::Zero();
   Vec3 tool_offset = Vec3::Zero();
-  double turn = 0;              ///< rad, about `pivot`, made by the program
-  Vec3 pivot = Vec3::Zero();    ///< program coordinates
+  double turn = 0;            ///< rad, about `pivot`, made by the program
+  Vec3 pivot = Vec3::Zero();  ///< program coordinates
 
   [[nodiscard]] const System& system() const { return systems[static_cast<std::size_t>(active)]; }
   [[nodiscard]] double rotation() const { return system().rotation + turn; }

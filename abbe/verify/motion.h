@@ -51,18 +51,18 @@ struct Cycle {
 /// X Y Z, or with tool centre point control those of the tip.
 struct Motion {
   MotionKind kind = MotionKind::rapid;
-  int code = 0;                ///< 10 times the G code: 0 10 20 30, 280 300, cycles 730 .. 890
-  bool machine_words = false;  ///< G53: the words are axis commands
-  bool incremental = false;    ///< G91
-  Axes named = 0;              ///< axes with a word in the block
-  Vec3 words = Vec3::Zero();   ///< their values, mm, as written
-  Position start, end;         ///< home: end is the intermediate point
-  bool tcp = false;            ///< positions are of the tip (ControlKinematics), not axis commands
-  Axes named_turns = 0;        ///< A B C with a word in the block: bits 0 1 2
-  Turns turn_words{};          ///< their values, deg, as written
+  int code = 0;                      ///< 10 times the G code: 0 10 20 30, 280 300, cycles 730 .. 890
+  bool machine_words = false;        ///< G53: the words are axis commands
+  bool incremental = false;          ///< G91
+  Axes named = 0;                    ///< axes with a word in the block
+  Vec3 words = Vec3::Zero();         ///< their values, mm, as written
+  Position start, end;               ///< home: end is the intermediate point
+  bool tcp = false;                  ///< positions are of the tip (ControlKinematics), not axis commands
+  Axes named_turns = 0;              ///< A B C with a word in the block: bits 0 1 2
+  Turns turn_words{};                ///< their values, deg, as written
   Turns turns_start{}, turns_end{};  ///< rotary positions, rad, counted through whole turns
-  int feed_mode = 940;         ///< 930, 940, 950
-  double feed = 0;             ///< F in force, program units (G93: 1/min)
+  int feed_mode = 940;               ///< 930, 940, 950
+  double feed = 0;                   ///< F in force, program units (G93: 1/min)
   Arc arc;
   Cycle cycle;
 
@@ -104,7 +104,8 @@ struct Event {
 /// Length of a line or arc, mm (of a spiral: with the mean radius).
 [[nodiscard]] double length_of_arc(const Arc& arc);
 [[nodiscard]] inline double length_of(const Motion& motion) {
-  return motion.kind == MotionKind::arc ? length_of_arc(motion.arc) : (motion.end.at - motion.start.at).norm();
+  return motion.kind == MotionKind::arc ? length_of_arc(motion.arc)
+                                        : (motion.end.at - motion.start.at).norm();
 }
 
 }  // namespace abbe::verifying

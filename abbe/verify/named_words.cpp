@@ -1,5 +1,5 @@
-// Lines of controls whose words have names, taken apart from left to right: a token is what belongs together in the
-// control's eyes, and only then it is asked what it is.
+// Lines of controls whose words have names, taken apart from left to right: a token is what belongs together
+// in the control's eyes, and only then it is asked what it is.
 #include "abbe/verify/named_words.h"
 
 #include <fmt/format.h>
@@ -44,7 +44,9 @@ class NamedScanner : public WordTaker {
  private:
   [[nodiscard]] std::string_view rest() const { return line_.substr(at_); }
   void leave_blanks() { at_ = std::min(line_.size(), line_.find_first_not_of(kBlanks, at_)); }
-  [[nodiscard]] std::size_t behind_blanks(std::size_t at) const { return std::min(line_.size(), line_.find_first_not_of(kBlanks, at)); }
+  [[nodiscard]] std::size_t behind_blanks(std::size_t at) const {
+    return std::min(line_.size(), line_.find_first_not_of(kBlanks, at));
+  }
   [[nodiscard]] char at(std::size_t place) const { return place < line_.size() ? line_[place] : '\n'; }
 
   bool comment_to_end() {
@@ -54,12 +56,14 @@ class NamedScanner : public WordTaker {
   }
 
   bool stray() {
-    return refuse(fault_, at_ + 1, 1, "E-CHAR", fmt::format("byte 0x{:02x} where a word begins", static_cast<unsigned char>(line_[at_])),
+    return refuse(fault_, at_ + 1, 1, "E-CHAR",
+                  fmt::format("byte 0x{:02x} where a word begins", static_cast<unsigned char>(line_[at_])),
                   "its meaning is not known", "remove it or put it behind ;");
   }
   bool not_literal(std::size_t begin, std::size_t end) {
-    return refuse(fault_, begin + 1, std::max<std::size_t>(1, end - begin), "E-EXPR", "variables and expressions are not read",
-                  "their value is known only to the control", "post the program with literal numbers");
+    return refuse(fault_, begin + 1, std::max<std::size_t>(1, end - begin), "E-EXPR",
+                  "variables and expressions are not read", "their value is known only to the control",
+                  "post the program with literal numbers");
   }
 
   /// One word with all that belongs to it.
@@ -68,31 +72,40 @@ class NamedScanner : public WordTaker {
     std::string name;
     for (char capital = 0; at_ < line_.size(); ++at_) {
       const char c = line_[at_];
-      if (is_capital_of(c, capital)) name += capital;
-      else if (c == '_' || (!name.empty() && kDigits.find(c) != std::string_view::npos)) name += c;
-      else break;
+      if (is_capital_of(c, capital))
+        name += capital;
+      else if (c == '_' || (!name.empty() && kDigits.find(c) != std::string_view::npos))
+        name += c;
+      else
+        break;
     }
     if (name.empty()) return stray();
-    const bool alone_so_far = (block_.words & ~letter_bit('N')) == 0 && block_.g_groups == 0 && block_.m_groups == 0 && block_.extra_count == 0;
+    const bool alone_so_far = (block_.words & ~letter_bit('N')) == 0 && block_.g_groups == 0 &&
+                              block_.m_groups == 0 && block_.extra_count == 0;
     if (name.size() > 1 && at(at_) == ':' && alone_so_far) {
       ++at_;
       block_.comments[static_cast<std::size_t>(block_.comment_count++)] = line_.substr(begin, at_ - begin);
       return true;
     }
     if (const Profile::Keyword* word = find_keyword(profile_, name)) return code_word(*word, begin);
-    if (const std::size_t equals = behind_blanks(at_); at(equals) == '=') return assigned(name, begin, equals);
+    if (const std::size_t equals = behind_blanks(at_); at(equals) == '=')
+      return assigned(name, begin, equals);
     const bool letter_and_number = name.size() == 1 || kDigits.find(name[1]) != std::string_view::npos;
     if (!letter_and_number)
-      return refuse(fault_, begin + 1, name.size(), "E-GCODE", fmt::format("{} is not understood for {}", name, profile_.title),
-                    "an unknown word may move the machine or change its state", "post the program without it");
+      return refuse(fault_, begin + 1, name.size(), "E-GCODE",
+                    fmt::format("{} is not understood for {}", name, profile_.title),
+                    "an unknown word may move the machine or change its state",
+                    "post the program without it");
     at_ = begin + 1;
     return number_word(name[0], begin);
   }
 
   bool assigned(const std::string& name, std::size_t begin, std::size_t equals) {
     char letter = name[0];
-    if (name.size() > 1) letter = find_address(profile_, name);
-    else if (letter == 'R') letter = 0;  // a variable
+    if (name.size() > 1)
+      letter = find_address(profile_, name);
+    else if (letter == 'R')
+      letter = 0;  // a variable
     if (letter == 0 || at(equals + 1) == '=') return not_literal(begin, equals);
     at_ = equals + 1;
     leave_blanks();
@@ -105,7 +118,8 @@ class NamedScanner : public WordTaker {
     if (letter == 'T' && at(at_) == '"') {
       const std::size_t close = line_.find('"', at_ + 1);
       if (close == std::string_view::npos)
-        return refuse(fault_, begin + 1, line_.size() - begin, "E-TOOL", "a tool's name that does not end", "the tool is not known", "close it with '\"'");
+        return refuse(fault_, begin + 1, line_.size() - begin, "E-TOOL", "a tool's name that does not end",
+                      "the tool is not known", "close it with '\"'");
       block_.tool_name = line_.substr(at_ + 1, close - at_ - 1);
       at_ = close + 1;
       return value_word('T', 0, begin + 1, false);
@@ -115,19 +129,23 @@ class NamedScanner : public WordTaker {
     at_ += number.length;
     char capital = 0;
     const char next = at(at_);
-    if (at_ < line_.size() && !is_capital_of(next, capital) && next != '_' && next != ';' && kBlanks.find(next) == std::string_view::npos)
+    if (at_ < line_.size() && !is_capital_of(next, capital) && next != '_' && next != ';' &&
+        kBlanks.find(next) == std::string_view::npos)
       return not_literal(begin, at_);
     if (!(std::abs(number.value) <= kMaxNumber))
-      return refuse(fault_, begin + 1, at_ - begin, "E-NUMBER", "the number is too large", "no machine goes there", "correct the number");
+      return refuse(fault_, begin + 1, at_ - begin, "E-NUMBER", "the number is too large",
+                    "no machine goes there", "correct the number");
     if (letter == 'G') return g_word(number.value, begin + 1);
     if (letter == 'M') return m_word(number.value, begin + 1);
-    const bool first = block_.words == 0 && block_.g_groups == 0 && block_.m_groups == 0 && block_.extra_count == 0;
+    const bool first =
+        block_.words == 0 && block_.g_groups == 0 && block_.m_groups == 0 && block_.extra_count == 0;
     return value_word(letter, number.value, begin + 1, first);
   }
 
   bool code_word(const Profile::Keyword& word, std::size_t begin) {
     using Form = Profile::Form;
-    if (profile_.g[word.index].refusal != 0) return keyword(word, line_.substr(begin, at_ - begin), begin + 1);
+    if (profile_.g[word.index].refusal != 0)
+      return keyword(word, line_.substr(begin, at_ - begin), begin + 1);
     const std::size_t next = behind_blanks(at_);
     const char opens = at(next);
     bool known = true;
@@ -139,16 +157,20 @@ class NamedScanner : public WordTaker {
       at_ = digits + length;
       char capital = 0;
       const char behind = at(at_);
-      known = length > 0 && (at_ == line_.size() || is_capital_of(behind, capital) || behind == '_' || behind == ';' || kBlanks.find(behind) != std::string_view::npos);
+      known = length > 0 && (at_ == line_.size() || is_capital_of(behind, capital) || behind == '_' ||
+                             behind == ';' || kBlanks.find(behind) != std::string_view::npos);
     } else if (opens == '(') {
       const std::size_t close = closing(next);
-      known = close != std::string_view::npos && (word.form == Form::arguments || (word.form == Form::empty && behind_blanks(next + 1) == close));
+      known =
+          close != std::string_view::npos &&
+          (word.form == Form::arguments || (word.form == Form::empty && behind_blanks(next + 1) == close));
       if (known) at_ = close + 1;
     } else {
       known = opens != '=' && opens != '[';
     }
     if (!known)
-      return refuse(fault_, begin + 1, word.name.size(), "E-GCODE", fmt::format("{} with something behind it that is not known", word.name),
+      return refuse(fault_, begin + 1, word.name.size(), "E-GCODE",
+                    fmt::format("{} with something behind it that is not known", word.name),
                     "it may move the machine", "post the program without it");
     return keyword(word, line_.substr(begin, at_ - begin), begin + 1);
   }
@@ -172,11 +194,13 @@ class NamedScanner : public WordTaker {
 
 }  // namespace
 
-bool read_named_words(std::string_view line, const Profile& profile, Block& block, Fault& fault, std::span<const TcpCode> tcp_codes) {
+bool read_named_words(std::string_view line, const Profile& profile, Block& block, Fault& fault,
+                      std::span<const TcpCode> tcp_codes) {
   block.tool_name = {};
   if (line.size() > profile.text.block_bytes)
     return refuse(fault, profile.text.block_bytes + 1, 1, "E-LINELEN",
-                  fmt::format("the line has {} bytes, {} are read", line.size(), profile.text.block_bytes), "longer lines are not read", "shorten the line");
+                  fmt::format("the line has {} bytes, {} are read", line.size(), profile.text.block_bytes),
+                  "longer lines are not read", "shorten the line");
   return NamedScanner(line, 0, profile, block, fault, tcp_codes).scan();
 }
 

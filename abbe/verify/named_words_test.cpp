@@ -45,7 +45,8 @@ VerifyJob siemens_job() {
 }
 
 VerifyReport compared(const std::string& output, const std::string& original = kProgram) {
-  return verify(plan_of("format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z t\"\n"), original, output, siemens_job());
+  return verify(plan_of("format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z t\"\n"), original, output,
+                siemens_job());
 }
 
 std::string changed(const std::string& from, const std::string& to) {
@@ -67,19 +68,54 @@ TEST(NamedWords, OtherSpellingsOfANumberAgree) {
 }
 
 TEST(NamedWords, WhateverChangesIsFound) {
-  const std::vector<std::pair<std::string, std::string>> changes = {
-      {"; start", "; Start"}, {"\"MILL 10\"", "\"MILL 11\""}, {"D1", "D0"}, {"ROUGH:", "FINISH:"}, {"S1=1000", "S1=100"}, {"M1=3", "M1=4"},
-      {"one (1)", "two (1)"}, {"CTOL=0.01", "CTOL=0.1"}, {"CR=12", "CR=-12"}, {"G2", "G3"}, {"G4 F2", "G4 F3"}, {"Y=5", "Y=6"}, {"TRANS", "ATRANS"},
-      {"RPL=30", "RPL=31"}, {"AROT", "ROT"}, {"ROT\nSUPA", "TRANS\nSUPA"}, {"SUPA ", ""}, {"Z0 D0", "Z1 D0"}, {"G505", "G54"}, {"F300", "F30"}, {"X20 Y0", "X20.01 Y0"},
-      {"MSG(\"one (1);\") ", ""}, {"M30\n", ""}};
-  for (const auto& [from, to] : changes) EXPECT_FALSE(compared(changed(from, to)).agrees) << from << " -> " << to;
+  const std::vector<std::pair<std::string, std::string>> changes = {{"; start", "; Start"},
+                                                                    {"\"MILL 10\"", "\"MILL 11\""},
+                                                                    {"D1", "D0"},
+                                                                    {"ROUGH:", "FINISH:"},
+                                                                    {"S1=1000", "S1=100"},
+                                                                    {"M1=3", "M1=4"},
+                                                                    {"one (1)", "two (1)"},
+                                                                    {"CTOL=0.01", "CTOL=0.1"},
+                                                                    {"CR=12", "CR=-12"},
+                                                                    {"G2", "G3"},
+                                                                    {"G4 F2", "G4 F3"},
+                                                                    {"Y=5", "Y=6"},
+                                                                    {"TRANS", "ATRANS"},
+                                                                    {"RPL=30", "RPL=31"},
+                                                                    {"AROT", "ROT"},
+                                                                    {"ROT\nSUPA", "TRANS\nSUPA"},
+                                                                    {"SUPA ", ""},
+                                                                    {"Z0 D0", "Z1 D0"},
+                                                                    {"G505", "G54"},
+                                                                    {"F300", "F30"},
+                                                                    {"X20 Y0", "X20.01 Y0"},
+                                                                    {"MSG(\"one (1);\") ", ""},
+                                                                    {"M30\n", ""}};
+  for (const auto& [from, to] : changes)
+    EXPECT_FALSE(compared(changed(from, to)).agrees) << from << " -> " << to;
 }
 
 TEST(NamedWords, WhatIsNotUnderstoodIsRefused) {
-  const std::vector<std::pair<std::string, std::string>> refused = {
-      {"X=R1", "E-EXPR"}, {"R1=5", "E-EXPR"}, {"X=AC(5)", "E-EXPR"}, {"IF R1", "E-EXPR"}, {"MCALL CYCLE81(1)", "E-CYCLE"}, {"G41 X1", "E-CUTCOM"}, {"UNHEARD", "E-GCODE"},
-      {"CYCLE800(1)", "E-GCODE"}, {"(c)", "E-CHAR"}, {"D2", "E-TOOL"}, {"T=\"NONE\"", "E-TOOL"}, {"M6\nG0 X1", "E-TOOL"}, {"TRAORI", "E-TCP"}, {"SUPA X0", "E-G53"},
-      {"G18", "E-TOOL"}, {"TRANS X1\nG505", "E-FRAME"}, {"TRANS X1 G1", "E-BLOCK"}, {"ROT RPL=5\nATRANS X1", "E-ROTATION"}, {"G70", "E-GCODE"}, {"ORIWKS", "E-TCP"}};
+  const std::vector<std::pair<std::string, std::string>> refused = {{"X=R1", "E-EXPR"},
+                                                                    {"R1=5", "E-EXPR"},
+                                                                    {"X=AC(5)", "E-EXPR"},
+                                                                    {"IF R1", "E-EXPR"},
+                                                                    {"MCALL CYCLE81(1)", "E-CYCLE"},
+                                                                    {"G41 X1", "E-CUTCOM"},
+                                                                    {"UNHEARD", "E-GCODE"},
+                                                                    {"CYCLE800(1)", "E-GCODE"},
+                                                                    {"(c)", "E-CHAR"},
+                                                                    {"D2", "E-TOOL"},
+                                                                    {"T=\"NONE\"", "E-TOOL"},
+                                                                    {"M6\nG0 X1", "E-TOOL"},
+                                                                    {"TRAORI", "E-TCP"},
+                                                                    {"SUPA X0", "E-G53"},
+                                                                    {"G18", "E-TOOL"},
+                                                                    {"TRANS X1\nG505", "E-FRAME"},
+                                                                    {"TRANS X1 G1", "E-BLOCK"},
+                                                                    {"ROT RPL=5\nATRANS X1", "E-ROTATION"},
+                                                                    {"G70", "E-GCODE"},
+                                                                    {"ORIWKS", "E-TCP"}};
   for (const auto& [line, code] : refused) {
     const std::string program = changed("G4 F2", line);
     const VerifyReport report = compared(program, program);
@@ -98,8 +134,10 @@ TEST(NamedWords, AnyBytesAreReadOrRefused) {
   for (int i = 0; i < 20000; ++i) {
     std::string line = std::string(kProgram).substr(random() % 200, 5 + random() % 40);
     line[random() % line.size()] = "()[]=\"/:;%_.+-X9\n\x80"[random() % 18];
-    if (read_block(line, *profile, block, fault)) ++read;
-    else ASSERT_GE(fault.column, 1U) << line;
+    if (read_block(line, *profile, block, fault))
+      ++read;
+    else
+      ASSERT_GE(fault.column, 1U) << line;
   }
   EXPECT_GT(read, 100);
 }

@@ -34,7 +34,7 @@ bool is_header_comment(std::string_view comment) {
 struct Call {
   std::uint64_t first = 0;  ///< number of the line "O2000"
   std::vector<std::string> lines;
-  std::size_t at = 0;       ///< the current one
+  std::size_t at = 0;  ///< the current one
 };
 
 /// Empty if the number does not stand at the start of exactly one line.
@@ -64,8 +64,13 @@ Call lines_of_subprogram(const std::string& path, int number) {
 }  // namespace
 
 struct ProgramReader::State {
-  State(LineReader reader, const std::string& file, std::string file_name, const ControlSetup& setup, const Options& choice)
-      : lines(std::move(reader)), path(file), name(std::move(file_name)), options(choice), control(setup, choice.rotary) {}
+  State(LineReader reader, const std::string& file, std::string file_name, const ControlSetup& setup,
+        const Options& choice)
+      : lines(std::move(reader)),
+        path(file),
+        name(std::move(file_name)),
+        options(choice),
+        control(setup, choice.rotary) {}
 
   Item next() {
     while (!refused) {
@@ -106,7 +111,12 @@ struct ProgramReader::State {
   /// Enters the subprogram, or leaves the running one.
   void follow_flow(int flow) {
     const auto refuse_flow = [&](const char* message) {
-      fault = {"E-OWORD", 1, 1, message, "what the control does then is not known", "call subprograms that stand behind the program in its file"};
+      fault = {"E-OWORD",
+               1,
+               1,
+               message,
+               "what the control does then is not known",
+               "call subprograms that stand behind the program in its file"};
       refuse();
     };
     if (flow < 0) {
@@ -130,7 +140,8 @@ struct ProgramReader::State {
     Call& call = calls.back();
     deletable = false;
     if (++call.at == call.lines.size()) {
-      fault = {"E-OWORD", 1, 1, "a subprogram without M99", "where the program goes on is not known", "end it with M99"};
+      fault = {"E-OWORD",        1, 1, "a subprogram without M99", "where the program goes on is not known",
+               "end it with M99"};
       return refuse();
     }
     text = call.lines[call.at];
@@ -138,7 +149,8 @@ struct ProgramReader::State {
   }
 
   void read_line() {
-    if (!calls.empty()) [[unlikely]] return read_called_line();
+    if (!calls.empty()) [[unlikely]]
+      return read_called_line();
     if (++row == rows && !read_rows()) return;
     text = texts[row];
     deletable = false;
@@ -221,13 +233,15 @@ struct ProgramReader::State {
     }
     std::string_view words = text;
     const Profile::Text& rules = control.profile().text;
-    const bool names = (rules.program_number && (text[first] == 'O' || text[first] == 'o')) || (rules.colon && text[first] == ':');
+    const bool names = (rules.program_number && (text[first] == 'O' || text[first] == 'o')) ||
+                       (rules.colon && text[first] == ':');
     const bool numbered = first_block && names && program_number(first, words);
     // The words start elsewhere behind a program number or a tape leader.
     const Block& block = blocks[row];
     const bool understood = (words.data() == texts[row].data() && readable[row]) ||
                             read_block(words, control.profile(), blocks[row], fault, tcp_codes());
-    const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0 || block.extra_count != 0 || block.tcp_code >= 0;
+    const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0 ||
+                                block.extra_count != 0 || block.tcp_code >= 0;
     if (numbered && says_something) {
       fault = {"E-OWORD",
                first + 1,
@@ -267,7 +281,8 @@ struct ProgramReader::State {
   }
 
   [[nodiscard]] std::uint64_t line() const {
-    if (!calls.empty()) [[unlikely]] return calls.back().first + calls.back().at;
+    if (!calls.empty()) [[unlikely]]
+      return calls.back().first + calls.back().at;
     return lines.line_number() - (rows == 0 ? 0 : rows - 1 - row);
   }
 
@@ -323,7 +338,8 @@ struct ProgramReader::State {
   const Event* current = nullptr;
 
   std::vector<Call> calls;  ///< the subprograms now running, the innermost last
-  std::vector<std::pair<std::uint64_t, std::uint64_t>> ran;  ///< lines of all that ran: first, behind the last
+  std::vector<std::pair<std::uint64_t, std::uint64_t>>
+      ran;  ///< lines of all that ran: first, behind the last
 
   bool at_start = true;     ///< only NUL bytes so far
   bool first_line = true;   ///< only blank lines so far
@@ -345,7 +361,8 @@ FileResult<ProgramReader> ProgramReader::open(const std::string& path, const std
                                               const ControlSetup& setup, const Options& options) {
   auto lines = LineReader::open(path, options.hashed);
   if (auto* error = std::get_if<FileError>(&lines)) return std::move(*error);
-  return ProgramReader(std::make_unique<State>(std::move(std::get<LineReader>(lines)), path, name, setup, options));
+  return ProgramReader(
+      std::make_unique<State>(std::move(std::get<LineReader>(lines)), path, name, setup, options));
 }
 
 ProgramReader::Item ProgramReader::next() { return state_->next(); }

@@ -23,11 +23,11 @@ namespace abbe::verifying {
 class ProgramReader {
  public:
   struct Options {
-    bool hashed = true;           ///< file().sha256() will be asked for
-    bool skip_deletable = false;  ///< blocks with '/' are not executed
-    bool report_skipped = false;  ///< ... but come as events, with their text
+    bool hashed = true;              ///< file().sha256() will be asked for
+    bool skip_deletable = false;     ///< blocks with '/' are not executed
+    bool report_skipped = false;     ///< ... but come as events, with their text
     const Rotary* rotary = nullptr;  ///< kept by the caller; null: rotary words are refused
-    bool looks_ahead = false;     ///< ahead() will be asked for
+    bool looks_ahead = false;        ///< ahead() will be asked for
   };
   [[nodiscard]] static FileResult<ProgramReader> open(const std::string& path, const std::string& name,
                                                       const ControlSetup& setup, const Options& options);

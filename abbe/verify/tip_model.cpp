@@ -133,7 +133,8 @@ void TipModel::look_ahead(std::span<const Vec3> commands, const Approach& approa
   std::copy_n(commands.begin(), count, ahead_.begin());
   ahead_approach_ = approach;
   place(approach);
-  if (actual_tip_.neighbours(query_, axes_, std::span(ahead_).first(count), std::span(ahead_tips_))) ahead_count_ = count;
+  if (actual_tip_.neighbours(query_, axes_, std::span(ahead_).first(count), std::span(ahead_tips_)))
+    ahead_count_ = count;
 }
 
 Vec3 TipModel::actual(const Vec3& m, const Approach& approach, bool* outside) const {

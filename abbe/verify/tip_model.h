@@ -54,8 +54,8 @@ class TipModel {
   /// Tip with all errors. `outside` is set when an error is held beyond its ends.
   [[nodiscard]] Vec3 actual(const Vec3& m, const Approach& approach, bool* outside) const;
 
-  /// Commands that actual() will probably be asked for soon, in this order: found together they cost less. Changes
-  /// no answer by more than the rounding of doubles.
+  /// Commands that actual() will probably be asked for soon, in this order: found together they cost less.
+  /// Changes no answer by more than the rounding of doubles.
   void look_ahead(std::span<const Vec3> commands, const Approach& approach);
 
   /// See abbe::straight_reach; with the tool in the spindle.
@@ -87,7 +87,7 @@ class TipModel {
   Rotary rotary_;
   Stance stance_;
   Affine original_axes_, output_axes_;  ///< with tool centre point control: points -> axis commands
-  std::array<std::size_t, 3> axes_{};  ///< of X Y Z among the moving axes
+  std::array<std::size_t, 3> axes_{};   ///< of X Y Z among the moving axes
   mutable Query query_;
   // What look_ahead() found.
   std::array<Vec3, kAhead> ahead_;

@@ -110,17 +110,22 @@ TEST_P(Mutations, AreFound) {
 
 INSTANTIATE_TEST_SUITE_P(
     Turning, Mutations,
-    ::testing::Values(Mutation{"SwappedSign", "A20 C30", "A-20 C30", "V-"}, Mutation{"LostRotaryWord", "A20 C30", "A20", "V-"},
-                      Mutation{"OtherRotaryAxis", "A25 C40", "A40 C25", "V-"}, Mutation{"HundredthOfADegree", "A20 C30", "A20.01 C30", "V-AXIS"},
-                      Mutation{"AnotherTurn", "C30", "C390", "V-"}, Mutation{"LostPlace", "X20 Y0 A20", "X20 A20", "V-"},
-                      Mutation{"ThreeMicrometres", "X20 Y0", "X20.003 Y0", "V-"}, Mutation{"RapidForFeed", "G1 X20 Y0 A20", "G0 X20 Y0 A20", "V-CLASS"},
-                      Mutation{"FeedForRapid", "G0 Z50 A0", "G1 Z50 A0", "V-CLASS"}, Mutation{"ChangedFeed", "F900", "F9000", "V-FEED"},
-                      Mutation{"ChangedTime", "F4\n", "F5\n", "V-FEED"}, Mutation{"LostTcp", "G43.4 H1", "G43 H1", "V-"},
-                      Mutation{"RapidEndsTurned", "Z50 A0 C0\nG49", "Z50 A1 C0\nG49", "V-TURN"},
-                      Mutation{"TimeNotRestored", "G1 A25 C40 F900\n", "G93\nG1 A25 C40 F80.4984\nG94 F800\n", "V-FEED"},
-                      Mutation{"WrongTimeOfRotaryAxes", "G1 A25 C40 F900\n", "G93\nG1 A25 C40 F60\nG94 F900\n", "V-FEED"},
-                      Mutation{"LinearWordBesideRotaryFeed", "G1 A25 C40 F900", "G1 A25 C40 X20.0004 F900", "V-FEED"},
-                      Mutation{"LostSpindle", "T1 M6\n", "T1 M6\nM3\n", "V-"}),
+    ::testing::Values(
+        Mutation{"SwappedSign", "A20 C30", "A-20 C30", "V-"},
+        Mutation{"LostRotaryWord", "A20 C30", "A20", "V-"},
+        Mutation{"OtherRotaryAxis", "A25 C40", "A40 C25", "V-"},
+        Mutation{"HundredthOfADegree", "A20 C30", "A20.01 C30", "V-AXIS"},
+        Mutation{"AnotherTurn", "C30", "C390", "V-"}, Mutation{"LostPlace", "X20 Y0 A20", "X20 A20", "V-"},
+        Mutation{"ThreeMicrometres", "X20 Y0", "X20.003 Y0", "V-"},
+        Mutation{"RapidForFeed", "G1 X20 Y0 A20", "G0 X20 Y0 A20", "V-CLASS"},
+        Mutation{"FeedForRapid", "G0 Z50 A0", "G1 Z50 A0", "V-CLASS"},
+        Mutation{"ChangedFeed", "F900", "F9000", "V-FEED"}, Mutation{"ChangedTime", "F4\n", "F5\n", "V-FEED"},
+        Mutation{"LostTcp", "G43.4 H1", "G43 H1", "V-"},
+        Mutation{"RapidEndsTurned", "Z50 A0 C0\nG49", "Z50 A1 C0\nG49", "V-TURN"},
+        Mutation{"TimeNotRestored", "G1 A25 C40 F900\n", "G93\nG1 A25 C40 F80.4984\nG94 F800\n", "V-FEED"},
+        Mutation{"WrongTimeOfRotaryAxes", "G1 A25 C40 F900\n", "G93\nG1 A25 C40 F60\nG94 F900\n", "V-FEED"},
+        Mutation{"LinearWordBesideRotaryFeed", "G1 A25 C40 F900", "G1 A25 C40 X20.0004 F900", "V-FEED"},
+        Mutation{"LostSpindle", "T1 M6\n", "T1 M6\nM3\n", "V-"}),
     [](const auto& test) { return std::string(test.param.name); });
 
 TEST(TurningPrograms, TheOtherWayRoundIsFound) {
@@ -133,10 +138,13 @@ TEST(TurningPrograms, TheOtherWayRoundIsFound) {
 
 // C stands 0.0005 degrees too far everywhere: a tenth of the turn of one block, and no part of it is missing.
 TEST(TurningPrograms, ACorrectionAsLargeAsTheTurnIsNoMissingPart) {
-  const std::string machine = changed(kMachine, "direction = [0, 0, 1]\n", "direction = [0, 0, 1]\nerrors_seen = \"body\"\n") + "[errors]\nECC = 8.72664626\n";
+  const std::string machine =
+      changed(kMachine, "direction = [0, 0, 1]\n", "direction = [0, 0, 1]\nerrors_seen = \"body\"\n") +
+      "[errors]\nECC = 8.72664626\n";
   const std::string start = "G21 G90 G94 G17 G54\n";
-  const VerifyReport report = Pair(machine).judge(start + "G0 X0 Y0 Z50 A10 C10.\nG1 C20. F100\nC20.005\nC21.\nM2\n",
-                                                  start + "G0 X0 Y0 Z50 A10 C9.9995\nG1 C19.9995 F100\nC20.0045\nC20.9995\nM2\n");
+  const VerifyReport report =
+      Pair(machine).judge(start + "G0 X0 Y0 Z50 A10 C10.\nG1 C20. F100\nC20.005\nC21.\nM2\n",
+                          start + "G0 X0 Y0 Z50 A10 C9.9995\nG1 C19.9995 F100\nC20.0045\nC20.9995\nM2\n");
   EXPECT_TRUE(report.agrees) << (report.diagnostics.empty() ? "" : to_text(report.diagnostics.front()));
 }
 

@@ -74,7 +74,9 @@ TEST(Verify, InchesHaveTheirOwnDigits) {
 }
 
 TEST(Verify, AMotionShorterThanItsDigitsMayVanish) {
-  const auto ends_at = [](const char* x) { return fmt::format("G21 G90 G0 X0 Y0 Z0\nG1 X10 F100\nX{}\nX20\nM2\n", x); };
+  const auto ends_at = [](const char* x) {
+    return fmt::format("G21 G90 G0 X0 Y0 Z0\nG1 X10 F100\nX{}\nX20\nM2\n", x);
+  };
   EXPECT_TRUE(verify(plan_of(kPerfect), ends_at("10.0001"), ends_at("10.0000"), ideal_job()).agrees);
   EXPECT_FALSE(verify(plan_of(kPerfect), ends_at("10.0009"), ends_at("10.0000"), ideal_job()).agrees);
 }

@@ -8,7 +8,8 @@
 namespace abbe::verifying {
 namespace {
 
-/// Where a meaning goes in a block: its modal group as in LinuxCNC, and the code by which this reader knows it.
+/// Where a meaning goes in a block: its modal group as in LinuxCNC, and the code by which this reader knows
+/// it.
 struct Seat {
   std::int8_t group = -1;
   std::int16_t code = 0;
@@ -17,79 +18,145 @@ constexpr std::int8_t kNoGroup = -2;
 
 constexpr Seat seat_of(Meaning meaning) {
   switch (meaning) {
-    case Meaning::unknown: break;
-    case Meaning::dwell: return {0, 40};
-    case Meaning::set_data: return {0, 100};
-    case Meaning::home: return {0, 280};
-    case Meaning::other_home: return {0, 300};
-    case Meaning::local_shift: return {0, 520};
-    case Meaning::machine_coordinates: return {0, 530};
-    case Meaning::set_position: return {0, 920};
-    case Meaning::clear_position: return {0, 921};
-    case Meaning::suspend_position: return {0, 922};
-    case Meaning::restore_position: return {0, 923};
-    case Meaning::rapid: return {1, 0};
-    case Meaning::line: return {1, 10};
-    case Meaning::arc_cw: return {1, 20};
-    case Meaning::arc_ccw: return {1, 30};
-    case Meaning::no_motion: return {1, 800};
-    case Meaning::chip_break: return {1, 730};
-    case Meaning::tap_left: return {1, 740};
-    case Meaning::fine_bore: return {1, 760};
-    case Meaning::drill: return {1, 810};
-    case Meaning::drill_dwell: return {1, 820};
-    case Meaning::peck: return {1, 830};
-    case Meaning::tap: return {1, 840};
-    case Meaning::bore: return {1, 850};
-    case Meaning::bore_stop: return {1, 860};
-    case Meaning::bore_dwell: return {1, 890};
-    case Meaning::plane_xy: return {2, 170};
-    case Meaning::plane_zx: return {2, 180};
-    case Meaning::plane_yz: return {2, 190};
-    case Meaning::absolute: return {3, 900};
-    case Meaning::incremental: return {3, 910};
-    case Meaning::centre_absolute: return {4, 901};
-    case Meaning::centre_incremental: return {4, 911};
-    case Meaning::inverse_time: return {5, 930};
-    case Meaning::per_minute: return {5, 940};
-    case Meaning::per_turn: return {5, 950};
-    case Meaning::units_inch: return {6, 200};
-    case Meaning::units_mm: return {6, 210};
-    case Meaning::cutter_off: return {7, 400};
-    case Meaning::tool_length: return {8, 430};
-    case Meaning::tool_length_minus: return {8, 440};
-    case Meaning::tool_length_direct: return {8, 431};
-    case Meaning::tool_length_off: return {8, 490};
-    case Meaning::retract_initial: return {10, 980};
-    case Meaning::retract_r: return {10, 990};
-    case Meaning::rotate: return {11, 680};
-    case Meaning::rotate_off: return {11, 690};
-    case Meaning::frame_shift: return {0, 521};
-    case Meaning::frame_shift_further: return {0, 522};
-    case Meaning::frame_turn: return {0, 681};
-    case Meaning::frame_turn_further: return {0, 682};
-    case Meaning::work_offset: return {12, 0};
-    case Meaning::numbered_work_offset: return {12, Block::kFurtherOffset};
-    case Meaning::path_control: return {13, -1};
-    case Meaning::spindle_mode: return {14, -1};
-    case Meaning::radius_mode: return {15, -1};
+    case Meaning::unknown:
+      break;
+    case Meaning::dwell:
+      return {0, 40};
+    case Meaning::set_data:
+      return {0, 100};
+    case Meaning::home:
+      return {0, 280};
+    case Meaning::other_home:
+      return {0, 300};
+    case Meaning::local_shift:
+      return {0, 520};
+    case Meaning::machine_coordinates:
+      return {0, 530};
+    case Meaning::set_position:
+      return {0, 920};
+    case Meaning::clear_position:
+      return {0, 921};
+    case Meaning::suspend_position:
+      return {0, 922};
+    case Meaning::restore_position:
+      return {0, 923};
+    case Meaning::rapid:
+      return {1, 0};
+    case Meaning::line:
+      return {1, 10};
+    case Meaning::arc_cw:
+      return {1, 20};
+    case Meaning::arc_ccw:
+      return {1, 30};
+    case Meaning::no_motion:
+      return {1, 800};
+    case Meaning::chip_break:
+      return {1, 730};
+    case Meaning::tap_left:
+      return {1, 740};
+    case Meaning::fine_bore:
+      return {1, 760};
+    case Meaning::drill:
+      return {1, 810};
+    case Meaning::drill_dwell:
+      return {1, 820};
+    case Meaning::peck:
+      return {1, 830};
+    case Meaning::tap:
+      return {1, 840};
+    case Meaning::bore:
+      return {1, 850};
+    case Meaning::bore_stop:
+      return {1, 860};
+    case Meaning::bore_dwell:
+      return {1, 890};
+    case Meaning::plane_xy:
+      return {2, 170};
+    case Meaning::plane_zx:
+      return {2, 180};
+    case Meaning::plane_yz:
+      return {2, 190};
+    case Meaning::absolute:
+      return {3, 900};
+    case Meaning::incremental:
+      return {3, 910};
+    case Meaning::centre_absolute:
+      return {4, 901};
+    case Meaning::centre_incremental:
+      return {4, 911};
+    case Meaning::inverse_time:
+      return {5, 930};
+    case Meaning::per_minute:
+      return {5, 940};
+    case Meaning::per_turn:
+      return {5, 950};
+    case Meaning::units_inch:
+      return {6, 200};
+    case Meaning::units_mm:
+      return {6, 210};
+    case Meaning::cutter_off:
+      return {7, 400};
+    case Meaning::tool_length:
+      return {8, 430};
+    case Meaning::tool_length_minus:
+      return {8, 440};
+    case Meaning::tool_length_direct:
+      return {8, 431};
+    case Meaning::tool_length_off:
+      return {8, 490};
+    case Meaning::retract_initial:
+      return {10, 980};
+    case Meaning::retract_r:
+      return {10, 990};
+    case Meaning::rotate:
+      return {11, 680};
+    case Meaning::rotate_off:
+      return {11, 690};
+    case Meaning::frame_shift:
+      return {0, 521};
+    case Meaning::frame_shift_further:
+      return {0, 522};
+    case Meaning::frame_turn:
+      return {0, 681};
+    case Meaning::frame_turn_further:
+      return {0, 682};
+    case Meaning::work_offset:
+      return {12, 0};
+    case Meaning::numbered_work_offset:
+      return {12, Block::kFurtherOffset};
+    case Meaning::path_control:
+      return {13, -1};
+    case Meaning::spindle_mode:
+      return {14, -1};
+    case Meaning::radius_mode:
+      return {15, -1};
     case Meaning::exact_stop_once:
     case Meaning::tcp_on:
     case Meaning::tcp_off:
     case Meaning::transformation_off:
     case Meaning::smoothing:
     case Meaning::copy:
-    case Meaning::auxiliary: return {kNoGroup, -1};
+    case Meaning::auxiliary:
+      return {kNoGroup, -1};
     case Meaning::stop:
-    case Meaning::end: return {Block::kStops, -1};
-    case Meaning::call_subprogram: return {Block::kStops, 98};
-    case Meaning::end_subprogram: return {Block::kStops, 99};
-    case Meaning::signal: return {5, -1};
-    case Meaning::tool_change: return {6, 6};
-    case Meaning::set_tool: return {6, 61};
-    case Meaning::spindle: return {7, -1};
-    case Meaning::coolant: return {8, -1};
-    case Meaning::override_switch: return {9, -1};
+    case Meaning::end:
+      return {Block::kStops, -1};
+    case Meaning::call_subprogram:
+      return {Block::kStops, 98};
+    case Meaning::end_subprogram:
+      return {Block::kStops, 99};
+    case Meaning::signal:
+      return {5, -1};
+    case Meaning::tool_change:
+      return {6, 6};
+    case Meaning::set_tool:
+      return {6, 61};
+    case Meaning::spindle:
+      return {7, -1};
+    case Meaning::coolant:
+      return {8, -1};
+    case Meaning::override_switch:
+      return {9, -1};
   }
   return {};
 }
@@ -104,16 +171,18 @@ bool whole(double value, int& out) {
 
 }  // namespace
 
-[[gnu::cold]] bool refuse(Fault& fault, std::size_t column, std::size_t length, const char* code, std::string message,
-            std::string why, std::string fix) {
+[[gnu::cold]] bool refuse(Fault& fault, std::size_t column, std::size_t length, const char* code,
+                          std::string message, std::string why, std::string fix) {
   fault = {code, column, length, std::move(message), std::move(why), std::move(fix)};
   return false;
 }
 
-bool WordTaker::refuse_code(const std::string& name, const char* usual, const CodeUse& use, std::size_t column) {
+bool WordTaker::refuse_code(const std::string& name, const char* usual, const CodeUse& use,
+                            std::size_t column) {
   const std::size_t length = at_ + 1 - column;
   if (use.refusal == 0)
-    return refuse(fault_, column, length, usual, fmt::format("{} is not understood for {}", name, profile_.title),
+    return refuse(fault_, column, length, usual,
+                  fmt::format("{} is not understood for {}", name, profile_.title),
                   "an unknown code may move the machine or change its state",
                   "post the program without it (abbe profiles lists the codes known)");
   const CodeRefusal& refusal = profile_.refusals[use.refusal - 1U];
@@ -127,18 +196,22 @@ bool WordTaker::extra(char kind, const CodeUse& use, int code, std::string_view 
     return refuse(fault_, column, at_ + 1 - column, "E-BLOCK", "too many codes in a block",
                   "no control accepts such a block", "use two blocks");
   const bool after = use.after || use.meaning == Meaning::exact_stop_once;
-  block_.extras[static_cast<std::size_t>(block_.extra_count++)] = {kind, after, static_cast<std::int16_t>(code), use.words, text};
+  block_.extras[static_cast<std::size_t>(block_.extra_count++)] = {
+      kind, after, static_cast<std::int16_t>(code), use.words, text};
   return true;
 }
 
 bool WordTaker::g_word(double value, std::size_t column) {
   static constexpr CodeUse kUnknown{};
   int number = -1;
-  const bool is_code = whole(value * 10, number) && number >= 0 && number < static_cast<int>(Profile::kGCodes);
+  const bool is_code =
+      whole(value * 10, number) && number >= 0 && number < static_cast<int>(Profile::kGCodes);
   const bool switches = tcp_switch('G', number);
   static constexpr CodeUse kTcpLength{Meaning::tool_length, false, 0, 0, letters('H')};
   // G43.4 H applies the tool length as G43 does
-  const CodeUse& use = switches && number == 434 ? kTcpLength : is_code ? profile_.g[static_cast<std::size_t>(number)] : kUnknown;
+  const CodeUse& use = switches && number == 434 ? kTcpLength
+                       : is_code                 ? profile_.g[static_cast<std::size_t>(number)]
+                                                 : kUnknown;
   if (switches && use.meaning == Meaning::unknown) return true;
   return take_code({}, value, number, use, {}, column);
 }
@@ -155,7 +228,8 @@ bool WordTaker::keyword(const Profile::Keyword& word, std::string_view text, std
 }
 
 /// Into its modal group, or beside the others. `word`: its name if it is a word; else it is G and the value.
-bool WordTaker::take_code(std::string_view word, double value, int number, const CodeUse& use, std::string_view text, std::size_t column) {
+bool WordTaker::take_code(std::string_view word, double value, int number, const CodeUse& use,
+                          std::string_view text, std::size_t column) {
   const Seat seat = seat_of(use.meaning);
   if (seat.group == kNoGroup) return extra('G', use, number, text, column);
   const auto name = [&] { return word.empty() ? fmt::format("G{:g}", value) : std::string(word); };
@@ -168,7 +242,8 @@ bool WordTaker::take_code(std::string_view word, double value, int number, const
     constexpr int no_motion = 800;
     if (code == no_motion) return true;
     if (block_.g[group] != no_motion)
-      return refuse(fault_, column, at_ + 1 - column, "E-BLOCK", fmt::format("{}: two codes of one group in a block", name()),
+      return refuse(fault_, column, at_ + 1 - column, "E-BLOCK",
+                    fmt::format("{}: two codes of one group in a block", name()),
                     "they contradict each other", "use two blocks");
   }
   block_.g_groups |= bit;

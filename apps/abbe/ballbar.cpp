@@ -275,7 +275,9 @@ Verb ballbar_verb(CLI::App& program, Session& session) {
   add_ballbar_options(*command, verb->source);
   command->add_option("--pitch", verb->pitch, "screw pitches for cyclic errors: X=5,Y=5")->type_name("A=MM");
   command->add_flag("--no-search", verb->no_search, "do not look for cyclic errors and reversal spikes");
-  command->add_option("--bus", verb->bus, "positions of the drives while it ran: CSV of `abbe capture`; --out gets them")
+  command
+      ->add_option("--bus", verb->bus,
+                   "positions of the drives while it ran: CSV of `abbe capture`; --out gets them")
       ->type_name("FILE");
   command->add_option("--svg", verb->svg, "polar plot with causes (SVG)")->type_name("FILE");
   command->add_option("--out", verb->out, "the trace in the neutral format (CSV)")->type_name("FILE");

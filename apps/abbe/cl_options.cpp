@@ -49,8 +49,8 @@ bool is_cl_data(std::string_view dialect, std::string_view path) {
                      [&](std::string_view ending) { return lower.ends_with(ending); });
 }
 
-ClSetting read_cl_setting(const ClArguments& a, const std::string& units, const Machine& machine, const ControlSetup& setup,
-                          Diagnostics& findings) {
+ClSetting read_cl_setting(const ClArguments& a, const std::string& units, const Machine& machine,
+                          const ControlSetup& setup, Diagnostics& findings) {
   ClSetting setting;
   cl::Conventions& conventions = setting.conventions;
   if (!units.empty()) conventions.unit = units == "mm" ? mm : inch;

@@ -24,7 +24,8 @@ void add_cl_options(CLI::App& verb, ClArguments& arguments, bool near = true);
 /// CL data by their dialect (cl, apt, clsf), or by the name of the file: .cls .clsf .apt .aptsource .ncl .cl
 [[nodiscard]] bool is_cl_data(std::string_view dialect, std::string_view path);
 
-[[nodiscard]] ClSetting read_cl_setting(const ClArguments& arguments, const std::string& units, const Machine& machine,
-                                        const ControlSetup& setup, Diagnostics& findings);
+[[nodiscard]] ClSetting read_cl_setting(const ClArguments& arguments, const std::string& units,
+                                        const Machine& machine, const ControlSetup& setup,
+                                        Diagnostics& findings);
 
 }  // namespace abbe::app

@@ -89,7 +89,8 @@ struct Setting {
 
 /// The same for verbs that move the machine: without the errors that its control corrects itself; nullopt,
 /// too, after E-SCOPE for errors that are true of one test only.
-[[nodiscard]] std::optional<Setting> load_controlled_setting(const CommonArguments& arguments, Session& session);
+[[nodiscard]] std::optional<Setting> load_controlled_setting(const CommonArguments& arguments,
+                                                             Session& session);
 
 /// Reads a file, or standard input for "-"; nullopt after reporting why not.
 [[nodiscard]] std::optional<std::string> read_input(const std::string& path, Session& session);

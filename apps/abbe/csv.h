@@ -21,7 +21,8 @@ namespace abbe::app {
 ///          or too many cells and an empty line between rows are mistakes.
 class CsvReader {
  public:
-  /// "-" is standard input; a pipe is read whole first, like it. A file without a header is a failure() of the reader.
+  /// "-" is standard input; a pipe is read whole first, like it. A file without a header is a failure() of
+  /// the reader.
   [[nodiscard]] static FileResult<CsvReader> open(const std::string& path);
 
   [[nodiscard]] const std::vector<std::string>& header() const { return header_; }

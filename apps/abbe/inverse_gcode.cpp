@@ -16,7 +16,8 @@ namespace abbe::app {
 namespace {
 
 /// The poses of a CSV file as CL data: the first one is reached by a rapid motion.
-std::optional<SpoolFile> as_cl_data(const PoseArguments& poses, double length_unit, double feed, Session& session) {
+std::optional<SpoolFile> as_cl_data(const PoseArguments& poses, double length_unit, double feed,
+                                    Session& session) {
   std::optional<PoseSource> source = PoseSource::open(poses, length_unit, {}, session);
   if (!source) return std::nullopt;
   auto created = SpoolFile::create("-");
@@ -28,7 +29,9 @@ std::optional<SpoolFile> as_cl_data(const PoseArguments& poses, double length_un
   bool written = file.write(fmt::format("UNITS/MM\nMULTAX/ON\nFEDRAT/{},MMPM\nRAPID\n", to_shortest(feed)));
   while (written && source->next(session)) {
     const Vec3 p = source->pose().position, u = source->pose().direction.normalized();
-    written = file.write(fmt::format("GOTO/{},{},{},{},{},{}\n", to_shortest(p.x()), to_shortest(p.y()), to_shortest(p.z()), to_shortest(u.x()), to_shortest(u.y()), to_shortest(u.z())));
+    written = file.write(fmt::format("GOTO/{},{},{},{},{},{}\n", to_shortest(p.x()), to_shortest(p.y()),
+                                     to_shortest(p.z()), to_shortest(u.x()), to_shortest(u.y()),
+                                     to_shortest(u.z())));
   }
   if (!written || !file.write("FINI\n") || !file.flush()) {
     session.report(*file.error(), "temporary file");
@@ -46,17 +49,22 @@ Exit exit_of(const GcodeReport& report) {
   return report.out_of_volume ? Exit::outside : Exit::refused;
 }
 
-void tell(const GcodeReport& report, const CommonArguments& common, const std::string& output, Session& session) {
+void tell(const GcodeReport& report, const CommonArguments& common, const std::string& output,
+          Session& session) {
   if (common.json) {
     JsonWriter json;
     json.begin_object();
     json.member("format", 1).member("verb", "inverse").member("output", output);
     json.member("motions", report.motions).member("blocks", report.blocks).member("arcs", report.arcs);
-    json.member("max_correction_um", report.max_correction / um).member("max_turn_urad", report.max_turn / urad).end();
+    json.member("max_correction_um", report.max_correction / um)
+        .member("max_turn_urad", report.max_turn / urad)
+        .end();
     session.out.write(json.take() + "\n");
     return;
   }
-  session.out.write(fmt::format("{}: {} motions in {} blocks; corrections up to {:.1f} um and {:.1f} urad of the axes\n", output, report.motions, report.blocks, report.max_correction / um, report.max_turn / urad));
+  session.out.write(
+      fmt::format("{}: {} motions in {} blocks; corrections up to {:.1f} um and {:.1f} urad of the axes\n",
+                  output, report.motions, report.blocks, report.max_correction / um, report.max_turn / urad));
 }
 
 std::vector<std::string> header_of(const GcodeJob& job, const Plan& plan, const Setting& setting) {
@@ -78,21 +86,39 @@ std::vector<std::string> header_of(const GcodeJob& job, const Plan& plan, const 
 
 void add_gcode_options(CLI::App& verb, GcodeArguments& a) {
   const char* group = "A program in place of a list (--emit gcode)";
-  verb.add_option("--emit", a.emit, "gcode: write a program of axis words; --poses may then be CL data")->check(CLI::IsMember({"gcode"}))->group(group);
-  verb.add_option("--profile", a.profile, "control the program is for")->check(CLI::IsMember({"linuxcnc"}))->capture_default_str()->group(group);
+  verb.add_option("--emit", a.emit, "gcode: write a program of axis words; --poses may then be CL data")
+      ->check(CLI::IsMember({"gcode"}))
+      ->group(group);
+  verb.add_option("--profile", a.profile, "control the program is for")
+      ->check(CLI::IsMember({"linuxcnc"}))
+      ->capture_default_str()
+      ->group(group);
   verb.add_option("-o,--output", a.output, "where the program goes, or - for standard output")->group(group);
-  verb.add_option("--offset", a.offsets, "G54=X..,Y..,Z..: where the part stands; it is taken off the words")->group(group);
+  verb.add_option("--offset", a.offsets, "G54=X..,Y..,Z..: where the part stands; it is taken off the words")
+      ->group(group);
   verb.add_option("--tools", a.tools, "LinuxCNC tool table, in mm")->group(group);
   verb.add_option("--gauge", a.gauges, "gauge length of a tool, e.g. T3=112.4 (repeatable)")->group(group);
-  verb.add_option("--datum", a.datum, "probed or ideal, as in compensate")->check(CLI::IsMember({"probed", "ideal"}))->capture_default_str()->group(group);
+  verb.add_option("--datum", a.datum, "probed or ideal, as in compensate")
+      ->check(CLI::IsMember({"probed", "ideal"}))
+      ->capture_default_str()
+      ->group(group);
   verb.add_option("--feed", a.feed, "mm/min, for poses from CSV")->check(CLI::Range(1e-3, 1e6))->group(group);
-  verb.add_option("--tolerance-um", a.tolerance_um, "how far the tip may leave its path between blocks")->check(CLI::Range(0.01, 1000.0))->capture_default_str()->group(group);
-  verb.add_option("--max-correction-um", a.max_correction_um, "larger corrections are refused")->check(CLI::Range(1.0, 1e5))->capture_default_str()->group(group);
-  verb.add_option("--units", a.units, "CL data without UNITS: mm or inch")->check(CLI::IsMember({"mm", "inch"}))->group(group);
+  verb.add_option("--tolerance-um", a.tolerance_um, "how far the tip may leave its path between blocks")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str()
+      ->group(group);
+  verb.add_option("--max-correction-um", a.max_correction_um, "larger corrections are refused")
+      ->check(CLI::Range(1.0, 1e5))
+      ->capture_default_str()
+      ->group(group);
+  verb.add_option("--units", a.units, "CL data without UNITS: mm or inch")
+      ->check(CLI::IsMember({"mm", "inch"}))
+      ->group(group);
   add_cl_options(verb, a.cl, false);
 }
 
-void write_gcode(const CommonArguments& common, const PoseArguments& poses, bool ideal, const GcodeArguments& a, Session& session) {
+void write_gcode(const CommonArguments& common, const PoseArguments& poses, bool ideal,
+                 const GcodeArguments& a, Session& session) {
   ProgramArguments program;
   program.common = common;
   program.offsets = a.offsets;
@@ -106,7 +132,10 @@ void write_gcode(const CommonArguments& common, const PoseArguments& poses, bool
   program.profile.dialect = "cl";
   program.profile.units = a.units;
   if (a.output.empty() || poses.poses.empty() || (a.output == "-" && common.json)) {
-    session.report(option_error("--emit", a.output.empty() ? "no -o: where does the program go?" : poses.poses.empty() ? "no --poses to write a program of" : "standard output cannot hold the program and --json",
+    session.report(option_error("--emit",
+                                a.output.empty()      ? "no -o: where does the program go?"
+                                : poses.poses.empty() ? "no --poses to write a program of"
+                                                      : "standard output cannot hold the program and --json",
                                 "abbe inverse MACHINE --poses part.cls --emit gcode -o part.ngc"));
     return;
   }
@@ -124,15 +153,21 @@ void write_gcode(const CommonArguments& common, const PoseArguments& poses, bool
   job.header = header_of(job, setting->plan, setting->setting);
   std::optional<SpoolFile> converted;
   if (!is_cl_data("", poses.poses)) {
-    if (!a.feed) return session.report(option_error("--feed", "poses from CSV have no feed", "give it in mm/min: --feed 500"));
+    if (!a.feed)
+      return session.report(
+          option_error("--feed", "poses from CSV have no feed", "give it in mm/min: --feed 500"));
     converted = as_cl_data(poses, setting->setting.machine.units.length, *a.feed, session);
     if (!converted) return;
     job.path = converted->temporary_path();
   }
   for (const std::string& input : setting->setting.machine.files) {
-    if (same_file(a.output, input)) return session.report(option_error("-o", "it names an input", "an input is never overwritten: name another file"));
+    if (same_file(a.output, input))
+      return session.report(
+          option_error("-o", "it names an input", "an input is never overwritten: name another file"));
   }
-  if (same_file(a.output, poses.poses)) return session.report(option_error("-o", "it names an input", "an input is never overwritten: name another file"));
+  if (same_file(a.output, poses.poses))
+    return session.report(
+        option_error("-o", "it names an input", "an input is never overwritten: name another file"));
   auto created = SpoolFile::create(a.output);
   if (const auto* error = std::get_if<FileError>(&created)) return session.report(*error, a.output);
   auto& spool = std::get<SpoolFile>(created);

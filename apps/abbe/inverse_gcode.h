@@ -24,6 +24,7 @@ struct GcodeArguments {
 void add_gcode_options(CLI::App& verb, GcodeArguments& arguments);
 
 /// Writes the program of the poses (CL data or CSV).
-void write_gcode(const CommonArguments& common, const PoseArguments& poses, bool ideal, const GcodeArguments& arguments, Session& session);
+void write_gcode(const CommonArguments& common, const PoseArguments& poses, bool ideal,
+                 const GcodeArguments& arguments, Session& session);
 
 }  // namespace abbe::app

@@ -48,7 +48,8 @@ bool publish_texts(const std::vector<OutputText>& files, Session& session) {
   return true;
 }
 
-bool write_outputs(const std::vector<OutputFile>& files, const std::vector<std::string>& inputs, Session& session) {
+bool write_outputs(const std::vector<OutputFile>& files, const std::vector<std::string>& inputs,
+                   Session& session) {
   std::vector<OutputText> wanted;
   std::vector<std::string> options;
   bool apart = true;
@@ -57,7 +58,8 @@ bool write_outputs(const std::vector<OutputFile>& files, const std::vector<std::
     apart = is_apart(file.option, file.path, inputs, session) && apart;
     for (std::size_t k = 0; k < wanted.size(); ++k) {
       if (file.path != wanted[k].path && !same_file(file.path, wanted[k].path)) continue;
-      session.report(option_error(file.option, fmt::format("the same file as {}", options[k]), "name another file"));
+      session.report(
+          option_error(file.option, fmt::format("the same file as {}", options[k]), "name another file"));
       apart = false;
     }
     wanted.push_back({file.path, file.text});

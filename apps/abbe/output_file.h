@@ -31,8 +31,8 @@ struct OutputFile {
   std::string text;
 };
 
-/// Writes all that are asked for, or none. Refuses (before anything is written) a path that is an input, another
-/// output, or standard output.
+/// Writes all that are asked for, or none. Refuses (before anything is written) a path that is an input,
+/// another output, or standard output.
 [[nodiscard]] bool write_outputs(const std::vector<OutputFile>& files, const std::vector<std::string>& inputs,
                                  Session& session);
 

@@ -39,8 +39,8 @@ class DeviationColumns {
   [[nodiscard]] bool check_groups(Session& session);
 
   std::vector<std::string> names_;
-  std::vector<std::size_t> number_;  ///< per name: which of the 24
-  std::vector<double> unit_;         ///< per name: mm or rad
+  std::vector<std::size_t> number_;                          ///< per name: which of the 24
+  std::vector<double> unit_;                                 ///< per name: mm or rad
   std::array<std::optional<double>, kNumbers> constant_;     ///< from the file of one row
   std::array<std::optional<std::size_t>, kNumbers> column_;  ///< from the poses: index of names_
   std::array<bool, 4> groups_{};  ///< gear static, gear motion, tool static, tool motion

@@ -11,13 +11,14 @@ namespace abbe::app {
 
 /// Options that say for which control a program is, as typed.
 struct ProfileArguments {
-  std::string dialect, file;          ///< an embedded profile, or a file
-  std::string integer_words, units;   ///< what the program and the profile leave open; empty: not given
+  std::string dialect, file;         ///< an embedded profile, or a file
+  std::string integer_words, units;  ///< what the program and the profile leave open; empty: not given
 };
 
 void add_profile_options(CLI::App& verb, ProfileArguments& arguments);
 
 /// The profile, with what the options add; nullptr after reporting all mistakes.
-[[nodiscard]] std::shared_ptr<const Profile> load_profile(const ProfileArguments& arguments, Session& session);
+[[nodiscard]] std::shared_ptr<const Profile> load_profile(const ProfileArguments& arguments,
+                                                          Session& session);
 
 }  // namespace abbe::app

@@ -81,13 +81,17 @@ std::string text_of(const Profile& profile) {
   const auto& numbers = profile.numbers;
   std::string text = fmt::format("{}: {}\n", profile.name, profile.about);
   for (const std::string& source : profile.sources) text += fmt::format("  source    {}\n", source);
-  text += fmt::format("  numbers   {} decimals in mm, {} in inch; without a point: {}\n", numbers.decimals_mm, numbers.decimals_inch, name_of(numbers.integer_words));
+  text += fmt::format("  numbers   {} decimals in mm, {} in inch; without a point: {}\n", numbers.decimals_mm,
+                      numbers.decimals_inch, name_of(numbers.integer_words));
   text += fmt::format("  lines     up to {} bytes\n", profile.text.block_bytes);
   text += fmt::format("  arcs      radii may differ by {:.4g} mm\n", profile.arcs.tolerance);
   for (const Row& row : rows_of(profile)) {
     const MeaningInfo& info = about(row.use->meaning);
-    const std::string sense = row.use->refusal != 0 ? "refused: " + profile.refusals[row.use->refusal - 1U].why : std::string(info.sense);
-    text += fmt::format("  {:<7} {:<4} {:<8} {}{}\n", row.code, info.policy, letters_of(row.use->words), sense, row.use->after ? " (after the motion)" : "");
+    const std::string sense = row.use->refusal != 0
+                                  ? "refused: " + profile.refusals[row.use->refusal - 1U].why
+                                  : std::string(info.sense);
+    text += fmt::format("  {:<7} {:<4} {:<8} {}{}\n", row.code, info.policy, letters_of(row.use->words),
+                        sense, row.use->after ? " (after the motion)" : "");
   }
   return text + "  every other code is refused\n";
 }
@@ -95,7 +99,8 @@ std::string text_of(const Profile& profile) {
 std::string meanings_text() {
   std::string text;
   for (const MeaningInfo& info : all_meanings())
-    text += fmt::format("  {}  {:<22} {:<4} {:<8} {}\n", info.kind, info.name, info.policy, letters_of(info.words), info.sense);
+    text += fmt::format("  {}  {:<22} {:<4} {:<8} {}\n", info.kind, info.name, info.policy,
+                        letters_of(info.words), info.sense);
   return text;
 }
 
@@ -115,12 +120,14 @@ void list_all(bool as_json, Session& session) {
     text += fmt::format("  {:<10} {}\n", name, profile->about);
   }
   json.end();
-  session.out.write(as_json ? json.take() + "\n" : text + "`abbe profiles NAME` explains one, `--profile FILE` reads your own\n");
+  session.out.write(as_json ? json.take() + "\n"
+                            : text + "`abbe profiles NAME` explains one, `--profile FILE` reads your own\n");
 }
 
 void run(const Arguments& arguments, Session& session) {
   if (arguments.meanings) return session.out.write(meanings_text());
-  if (arguments.profile.dialect.empty() && arguments.profile.file.empty()) return list_all(arguments.json, session);
+  if (arguments.profile.dialect.empty() && arguments.profile.file.empty())
+    return list_all(arguments.json, session);
   const auto profile = load_profile(arguments.profile, session);
   if (profile == nullptr) return;
   if (!arguments.json) return session.out.write(text_of(*profile));

@@ -16,8 +16,12 @@
 namespace abbe::app {
 namespace {
 
-int axis_letter(std::string_view name) { return name.size() == 1 && name[0] >= 'X' && name[0] <= 'Z' ? name[0] - 'X' : -1; }
-int turn_letter(std::string_view name) { return name.size() == 1 && name[0] >= 'A' && name[0] <= 'C' ? name[0] - 'A' : -1; }
+int axis_letter(std::string_view name) {
+  return name.size() == 1 && name[0] >= 'X' && name[0] <= 'Z' ? name[0] - 'X' : -1;
+}
+int turn_letter(std::string_view name) {
+  return name.size() == 1 && name[0] >= 'A' && name[0] <= 'C' ? name[0] - 'A' : -1;
+}
 
 /// "X1,Y2.5,Z-3,A90" as letters and values; R too where asked.
 struct Lettered {
@@ -25,7 +29,8 @@ struct Lettered {
   std::array<double, 3> turns{};  ///< rad
   std::optional<double> rotation;
 };
-std::optional<Lettered> read_lettered(std::string_view option, std::string_view text, bool rotation, Diagnostics& findings) {
+std::optional<Lettered> read_lettered(std::string_view option, std::string_view text, bool rotation,
+                                      Diagnostics& findings) {
   Lettered values;
   bool good = true;
   for (const std::string& piece : split_list(text)) {
@@ -35,52 +40,70 @@ std::optional<Lettered> read_lettered(std::string_view option, std::string_view 
     const int axis = axis_letter(letter), turn = turn_letter(letter);
     const auto value = read_number(number);
     if (!value || (axis < 0 && turn < 0 && !(rotation && letter == "R"))) {
-      findings.push_back(option_error(option, fmt::format("'{}' is not a letter X Y Z A B C{} and a number", piece, rotation ? " R" : ""),
-                                      rotation ? "write G54=X-120.5,Y40,Z-210" : "write X0,Y0,Z0"));
+      findings.push_back(option_error(
+          option, fmt::format("'{}' is not a letter X Y Z A B C{} and a number", piece, rotation ? " R" : ""),
+          rotation ? "write G54=X-120.5,Y40,Z-210" : "write X0,Y0,Z0"));
       good = false;
       continue;
     }
-    if (axis >= 0) values.axes[static_cast<std::size_t>(axis)] = *value;
-    else if (turn >= 0) values.turns[static_cast<std::size_t>(turn)] = *value * deg;
-    else values.rotation = *value;
+    if (axis >= 0)
+      values.axes[static_cast<std::size_t>(axis)] = *value;
+    else if (turn >= 0)
+      values.turns[static_cast<std::size_t>(turn)] = *value * deg;
+    else
+      values.rotation = *value;
   }
   return good ? std::optional(values) : std::nullopt;
 }
 
 /// --offset G54=X-120.5,Y40,Z-210: lengths in the machine file's unit, R in degrees.
-void read_offsets(const std::vector<std::string>& arguments, double unit, ControlSetup& setup, Diagnostics& findings) {
+void read_offsets(const std::vector<std::string>& arguments, double unit, ControlSetup& setup,
+                  Diagnostics& findings) {
   for (const std::string& argument : arguments) {
     const std::size_t equals = argument.find('=');
     const auto index = work_offset_index(std::string_view(argument).substr(0, equals));
     if (equals == std::string::npos || !index) {
-      findings.push_back(option_error("--offset", fmt::format("'{}' does not begin with a work offset", argument), "write G54=X-120.5,Y40,Z-210 (G54 to G59.3, G54.1P3, G154P3)"));
+      findings.push_back(option_error("--offset",
+                                      fmt::format("'{}' does not begin with a work offset", argument),
+                                      "write G54=X-120.5,Y40,Z-210 (G54 to G59.3, G54.1P3, G154P3)"));
       continue;
     }
-    const auto values = read_lettered("--offset", std::string_view(argument).substr(equals + 1), true, findings);
+    const auto values =
+        read_lettered("--offset", std::string_view(argument).substr(equals + 1), true, findings);
     if (!values) continue;
     WorkOffset offset;
     for (std::size_t k = 0; k < 3; ++k) {
       if (!values->axes[k]) {
-        findings.push_back(option_error("--offset", fmt::format("'{}' does not give {}", argument, "XYZ"[k]), "give X, Y and Z: an offset that is guessed puts the correction in the wrong place"));
+        findings.push_back(option_error(
+            "--offset", fmt::format("'{}' does not give {}", argument, "XYZ"[k]),
+            "give X, Y and Z: an offset that is guessed puts the correction in the wrong place"));
         continue;
       }
       offset.origin[k] = *values->axes[k] * unit;
     }
     offset.rotation = values->rotation.value_or(0) * deg;
     offset.turns = values->turns;
-    if (*index < kFixedWorkOffsets) setup.work_offsets[static_cast<std::size_t>(*index)] = offset;
-    else setup.further_offsets[*index - kFixedWorkOffsets + 1] = offset;
+    if (*index < kFixedWorkOffsets)
+      setup.work_offsets[static_cast<std::size_t>(*index)] = offset;
+    else
+      setup.further_offsets[*index - kFixedWorkOffsets + 1] = offset;
   }
 }
 
-void read_gauges(const std::vector<std::string>& arguments, double unit, ControlSetup& setup, Diagnostics& findings) {
+void read_gauges(const std::vector<std::string>& arguments, double unit, ControlSetup& setup,
+                 Diagnostics& findings) {
   for (const Assignment& given : split_assignments("--gauge", arguments, findings)) {
     const auto value = option_number("--gauge", given.name, given.text, findings);
-    const auto number = given.name.size() > 1 && (given.name[0] == 'T' || given.name[0] == 't') ? read_number(std::string_view(given.name).substr(1)) : std::nullopt;
+    const auto number = given.name.size() > 1 && (given.name[0] == 'T' || given.name[0] == 't')
+                            ? read_number(std::string_view(given.name).substr(1))
+                            : std::nullopt;
     if (!number || *number < 0 || *number != std::floor(*number)) {
-      findings.push_back(option_error("--gauge", fmt::format("'{}' is not a tool number", given.name), "write T3=112.4"));
+      findings.push_back(
+          option_error("--gauge", fmt::format("'{}' is not a tool number", given.name), "write T3=112.4"));
     } else if (value && !(*value > 0)) {
-      findings.push_back(option_error("--gauge", fmt::format("the gauge length of {} is not positive", given.name), "it is the distance from the spindle nose to the tip"));
+      findings.push_back(option_error("--gauge",
+                                      fmt::format("the gauge length of {} is not positive", given.name),
+                                      "it is the distance from the spindle nose to the tip"));
     } else if (value) {
       setup.gauges[static_cast<int>(*number)] = *value * unit;
     }
@@ -108,7 +131,8 @@ std::optional<std::string> text_of(const std::string& path, Session& session) {
 std::string today() {
   std::time_t now = std::time(nullptr);
   if (const char* epoch = std::getenv("SOURCE_DATE_EPOCH")) {
-    if (const auto seconds = read_number(epoch); seconds && std::abs(*seconds) < 1e12) now = static_cast<std::time_t>(*seconds);
+    if (const auto seconds = read_number(epoch); seconds && std::abs(*seconds) < 1e12)
+      now = static_cast<std::time_t>(*seconds);
   }
   std::tm broken{};
   if (!gmtime_r(&now, &broken)) return {};
@@ -121,19 +145,37 @@ void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) 
   add_common_options(verb, a.common, session);
   add_profile_options(verb, a.profile);
   allow_quick_machine(verb, a.common);
-  verb.add_option("--offset", a.offsets, "work offset in machine coordinates, e.g. G54=X-120.5,Y40,Z-210[,A0,C90][,R10] (repeatable)");
+  verb.add_option(
+      "--offset", a.offsets,
+      "work offset in machine coordinates, e.g. G54=X-120.5,Y40,Z-210[,A0,C90][,R10] (repeatable)");
   verb.add_option("--var", a.parameters, "LinuxCNC parameter file: work offsets, in mm");
-  verb.add_option("--tools", a.tools, "LinuxCNC tool table, in mm (gauge= in a comment gives the gauge length)");
+  verb.add_option("--tools", a.tools,
+                  "LinuxCNC tool table, in mm (gauge= in a comment gives the gauge length)");
   verb.add_option("--gauge", a.gauges, "gauge length of a tool, e.g. T3=112.4 (repeatable)");
   verb.add_option("--tool", a.tool, "number of the tool in the spindle at the start");
-  verb.add_option("--start", a.start, "machine position before the program, e.g. X0,Y0,Z0,C90; rotary axes stand at 0 where not given")->delimiter(';');
-  verb.add_option("--block-delete", a.block_delete, "blocks with '/': on = skipped, off = executed")->check(CLI::IsMember({"on", "off"}));
-  verb.add_option("--tool-change", a.tool_change, "moves: after M6 the axes may stand elsewhere; keeps: they stand where they were")->check(CLI::IsMember({"moves", "keeps"}))->capture_default_str();
+  verb.add_option(
+          "--start", a.start,
+          "machine position before the program, e.g. X0,Y0,Z0,C90; rotary axes stand at 0 where not given")
+      ->delimiter(';');
+  verb.add_option("--block-delete", a.block_delete, "blocks with '/': on = skipped, off = executed")
+      ->check(CLI::IsMember({"on", "off"}));
+  verb.add_option("--tool-change", a.tool_change,
+                  "moves: after M6 the axes may stand elsewhere; keeps: they stand where they were")
+      ->check(CLI::IsMember({"moves", "keeps"}))
+      ->capture_default_str();
   add_expansion_options(verb, a.expansion);
-  verb.add_option("--datum", a.datum, "probed: the work offset was touched off on this machine; ideal: it is true")->check(CLI::IsMember({"probed", "ideal"}))->capture_default_str();
-  verb.add_option("--tolerance-um", a.tolerance_um, "what interpolation may leave")->check(CLI::Range(0.01, 1000.0))->capture_default_str();
-  verb.add_option("--max-correction-um", a.max_correction_um, "larger corrections are refused")->check(CLI::Range(1.0, 1e5))->capture_default_str();
-  verb.add_flag("--reversal", a.reversal, "correct lost motion where an axis turns round, instead of its mean");
+  verb.add_option("--datum", a.datum,
+                  "probed: the work offset was touched off on this machine; ideal: it is true")
+      ->check(CLI::IsMember({"probed", "ideal"}))
+      ->capture_default_str();
+  verb.add_option("--tolerance-um", a.tolerance_um, "what interpolation may leave")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  verb.add_option("--max-correction-um", a.max_correction_um, "larger corrections are refused")
+      ->check(CLI::Range(1.0, 1e5))
+      ->capture_default_str();
+  verb.add_flag("--reversal", a.reversal,
+                "correct lost motion where an axis turns round, instead of its mean");
   add_cl_options(verb, a.cl);
   verb.add_option("--report", a.report, "write the report as JSON");
   verb.add_option("--figure", a.figure, "draw the deviation before and after (SVG)");
@@ -146,8 +188,9 @@ bool settle_files(CommonArguments& arguments, const std::vector<std::string*>& f
     arguments.machine.clear();
   }
   if (!files.back()->empty()) return true;
-  Diagnostic missing = option_error("abbe", arguments.machine.empty() ? "no machine and no program is given" : "a program is missing",
-                                    "abbe VERB MACHINE PROGRAM; with --skew, --scale or --pitch no MACHINE");
+  Diagnostic missing = option_error(
+      "abbe", arguments.machine.empty() ? "no machine and no program is given" : "a program is missing",
+      "abbe VERB MACHINE PROGRAM; with --skew, --scale or --pitch no MACHINE");
   missing.code = "E-USAGE";
   session.report(missing);
   return false;
@@ -156,16 +199,20 @@ bool settle_files(CommonArguments& arguments, const std::vector<std::string*>& f
 namespace {
 
 /// Adds the workpiece's expansion; false after reporting why that would be a guess.
-bool expand_workpiece(const ProgramArguments& a, const std::string& program, Setting& setting, Session& session) {
+bool expand_workpiece(const ProgramArguments& a, const std::string& program, Setting& setting,
+                      Session& session) {
   if (!a.expansion.temperature && !a.expansion.ppm) return true;
   const Machine& machine = setting.machine;
-  const bool turns = std::any_of(machine.bodies.begin(), machine.bodies.end(), [](const Body& body) { return body.type == AxisType::rotary; });
+  const bool turns = std::any_of(machine.bodies.begin(), machine.bodies.end(),
+                                 [](const Body& body) { return body.type == AxisType::rotary; });
   const char* why = a.datum != "probed" ? "with --datum ideal nothing says which point of the part stays"
                     : is_cl_data(a.profile.dialect, program) ? "CL data do not say where the part is held"
                     : turns ? "with rotary axes it depends on the length of each tool"
                             : nullptr;
   if (why != nullptr) {
-    Diagnostic error = option_error("--workpiece-temperature", std::string("the expansion has no centre: ") + why, "programs of linear axes with --datum probed expand about their work offset");
+    Diagnostic error =
+        option_error("--workpiece-temperature", std::string("the expansion has no centre: ") + why,
+                     "programs of linear axes with --datum probed expand about their work offset");
     error.code = "E-EXPANSION";
     session.report(error);
     return false;
@@ -177,7 +224,8 @@ bool expand_workpiece(const ProgramArguments& a, const std::string& program, Set
 
 }  // namespace
 
-std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, const std::string& program, Session& session) {
+std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, const std::string& program,
+                                                   Session& session) {
   auto setting = load_controlled_setting(a.common, session);
   if (!setting || !expand_workpiece(a, program, *setting, session)) return std::nullopt;
   const double unit = setting->machine.units.length;
@@ -210,12 +258,22 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, co
   setup.loaded_tool = a.tool;
   setup.tool_change_keeps_place = a.tool_change == "keeps";
   using BlockDelete = ControlSetup::BlockDelete;
-  if (!a.block_delete.empty()) setup.block_delete = a.block_delete == "on" ? BlockDelete::on : BlockDelete::off;
-  if (!a.common.approach.empty()) findings.push_back(option_error("--approach", "a program states its own directions", "leave it out; --reversal uses them"));
-  if (a.common.limit_angle_deg) findings.push_back(option_error("--limit-angle-deg", "the direction of the tool is reported (tool_axis), not judged: three linear axes cannot correct it", "leave it out, or ask `abbe predict`"));
+  if (!a.block_delete.empty())
+    setup.block_delete = a.block_delete == "on" ? BlockDelete::on : BlockDelete::off;
+  if (!a.common.approach.empty())
+    findings.push_back(option_error("--approach", "a program states its own directions",
+                                    "leave it out; --reversal uses them"));
+  if (a.common.limit_angle_deg)
+    findings.push_back(option_error(
+        "--limit-angle-deg",
+        "the direction of the tool is reported (tool_axis), not judged: three linear axes cannot correct it",
+        "leave it out, or ask `abbe predict`"));
   std::optional<ClSetting> cl;
   if (is_cl) cl = read_cl_setting(a.cl, a.profile.units, setting->machine, setup, findings);
-  if (cl && a.reversal) findings.push_back(option_error("--reversal", "CL data do not say from which side the machine's axes come", "leave it out: the mean of both directions is corrected"));
+  if (cl && a.reversal)
+    findings.push_back(option_error("--reversal",
+                                    "CL data do not say from which side the machine's axes come",
+                                    "leave it out: the mean of both directions is corrected"));
   session.report(findings);
   if (!findings.empty() || !good) return std::nullopt;
   auto plan = plan_or_report(*setting, setting->environment, session);
@@ -230,7 +288,9 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, co
   job.tolerance = a.tolerance_um * um;
   job.max_correction = a.max_correction_um * um;
   job.limit = setting->limits.position;
-  job.header = a.header == "inline" ? HeaderForm::inline_comments : a.header == "sidecar" ? HeaderForm::sidecar : HeaderForm::none;
+  job.header = a.header == "inline"    ? HeaderForm::inline_comments
+               : a.header == "sidecar" ? HeaderForm::sidecar
+                                       : HeaderForm::none;
   job.report = a.report;
   job.figure = a.figure;
   job.version = ABBE_VERSION;

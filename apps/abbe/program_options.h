@@ -32,7 +32,8 @@ void add_program_options(CLI::App& verb, ProgramArguments& arguments, Session& s
 
 /// With --skew, --scale or --pitch the first file is not a machine: the files move up by one. False after
 /// reporting that one is missing. `files`: where they were put, in the order of the command line.
-[[nodiscard]] bool settle_files(CommonArguments& arguments, const std::vector<std::string*>& files, Session& session);
+[[nodiscard]] bool settle_files(CommonArguments& arguments, const std::vector<std::string*>& files,
+                                Session& session);
 
 /// A machine, its plan, and what the control knows; nullopt after reporting all mistakes.
 struct ProgramSetting {
@@ -41,6 +42,8 @@ struct ProgramSetting {
   ProgramJob job;  ///< without paths of program and output
 };
 /// `program`: its path tells CL data from G code where --dialect does not.
-[[nodiscard]] std::optional<ProgramSetting> load_program_setting(const ProgramArguments& arguments, const std::string& program, Session& session);
+[[nodiscard]] std::optional<ProgramSetting> load_program_setting(const ProgramArguments& arguments,
+                                                                 const std::string& program,
+                                                                 Session& session);
 
 }  // namespace abbe::app

@@ -18,18 +18,26 @@ namespace {
 
 Exit exit_of(ProgramEnd end) {
   switch (end) {
-    case ProgramEnd::done: return Exit::done;
-    case ProgramEnd::io: return Exit::internal;
-    case ProgramEnd::invalid: return Exit::invalid;
-    case ProgramEnd::refused: return Exit::refused;
-    case ProgramEnd::outside: return Exit::outside;
-    case ProgramEnd::disagrees: return Exit::disagrees;
-    case ProgramEnd::stopped: return Exit::interrupted;
+    case ProgramEnd::done:
+      return Exit::done;
+    case ProgramEnd::io:
+      return Exit::internal;
+    case ProgramEnd::invalid:
+      return Exit::invalid;
+    case ProgramEnd::refused:
+      return Exit::refused;
+    case ProgramEnd::outside:
+      return Exit::outside;
+    case ProgramEnd::disagrees:
+      return Exit::disagrees;
+    case ProgramEnd::stopped:
+      return Exit::interrupted;
   }
   return Exit::internal;
 }
 
-void tell(const ProgramOutcome& outcome, const ProgramArguments& arguments, const std::string& output, Session& session) {
+void tell(const ProgramOutcome& outcome, const ProgramArguments& arguments, const std::string& output,
+          Session& session) {
   session.report(outcome.diagnostics, exit_of(outcome.end));
   if (outcome.end != ProgramEnd::done) session.note(exit_of(outcome.end));
   const auto& limit = arguments.common.limit_um;
@@ -51,7 +59,8 @@ struct RewriteArguments {
 
 void run_rewrite(const RewriteArguments& arguments, Session& session, bool check) {
   if (!check && arguments.output == "-" && arguments.program.common.json) {
-    session.report(option_error("--json", "standard output cannot hold the program and the report", "write the report with --report"));
+    session.report(option_error("--json", "standard output cannot hold the program and the report",
+                                "write the report with --report"));
     return;
   }
   auto setting = load_program_setting(arguments.program, arguments.input, session);
@@ -70,13 +79,19 @@ void run_rewrite(const RewriteArguments& arguments, Session& session, bool check
 
 Verb compensate_verb(CLI::App& program, Session& session) {
   auto arguments = std::make_shared<RewriteArguments>();
-  CLI::App* verb = program.add_subcommand("compensate", "rewrite a program so that the machine's errors cancel, verify it, then publish it");
+  CLI::App* verb = program.add_subcommand(
+      "compensate", "rewrite a program so that the machine's errors cancel, verify it, then publish it");
   add_program_options(*verb, arguments->program, session);
   verb->add_option("program", arguments->input, "program, or - for standard input");
-  verb->add_option("-o,--output", arguments->output, "where the compensated program goes, or - for standard output")->required();
-  verb->add_option("--header", arguments->program.header, "where the output says what it is")->check(CLI::IsMember({"inline", "sidecar", "none"}))->capture_default_str();
+  verb->add_option("-o,--output", arguments->output,
+                   "where the compensated program goes, or - for standard output")
+      ->required();
+  verb->add_option("--header", arguments->program.header, "where the output says what it is")
+      ->check(CLI::IsMember({"inline", "sidecar", "none"}))
+      ->capture_default_str();
   return {verb, [arguments, &session] {
-            if (settle_files(arguments->program.common, {&arguments->input}, session)) run_rewrite(*arguments, session, false);
+            if (settle_files(arguments->program.common, {&arguments->input}, session))
+              run_rewrite(*arguments, session, false);
           }};
 }
 
@@ -86,18 +101,21 @@ Verb check_verb(CLI::App& program, Session& session) {
   add_program_options(*verb, arguments->program, session);
   verb->add_option("program", arguments->input, "program, or - for standard input");
   return {verb, [arguments, &session] {
-            if (settle_files(arguments->program.common, {&arguments->input}, session)) run_rewrite(*arguments, session, true);
+            if (settle_files(arguments->program.common, {&arguments->input}, session))
+              run_rewrite(*arguments, session, true);
           }};
 }
 
 Verb verify_verb(CLI::App& program, Session& session) {
   auto arguments = std::make_shared<RewriteArguments>();
-  CLI::App* verb = program.add_subcommand("verify", "compare a compensated program with its original: path, events, feeds, rapid or feed");
+  CLI::App* verb = program.add_subcommand(
+      "verify", "compare a compensated program with its original: path, events, feeds, rapid or feed");
   add_program_options(*verb, arguments->program, session);
   verb->add_option("original", arguments->input, "the original program");
   verb->add_option("compensated", arguments->output, "the compensated program");
   return {verb, [arguments, &session] {
-            if (!settle_files(arguments->program.common, {&arguments->input, &arguments->output}, session)) return;
+            if (!settle_files(arguments->program.common, {&arguments->input, &arguments->output}, session))
+              return;
             auto setting = load_program_setting(arguments->program, arguments->input, session);
             if (!setting) return;
             setting->job.program = arguments->input;
@@ -118,25 +136,31 @@ Verb diff_verb(CLI::App& program, Session& session) {
     ProfileArguments profile;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb = program.add_subcommand("diff", "what changed between a program and its compensated form, word by word");
+  CLI::App* verb =
+      program.add_subcommand("diff", "what changed between a program and its compensated form, word by word");
   verb->add_option("original", arguments->original, "the original program")->required();
   verb->add_option("compensated", arguments->output, "the compensated program")->required();
   verb->add_flag("--json", arguments->json, "answer as JSON");
-  verb->add_option("--dialect", arguments->profile.dialect, "control the programs are for, where its words have names (siemens)");
+  verb->add_option("--dialect", arguments->profile.dialect,
+                   "control the programs are for, where its words have names (siemens)");
   verb->add_option("--profile", arguments->profile.file, "the same from a profile file");
-  verb->add_option("--most", arguments->lines, "how many changed words to list, 0 = all")->capture_default_str();
-  return {verb, [arguments, &session] {
-            const auto profile = load_profile(arguments->profile, session);
-            if (!profile) return;
-            std::size_t listed = 0;
-            std::string changes;
-            JsonWriter json;
-            if (arguments->json) {
-              json.begin_object();
-              json.key("changes");
-              json.begin_array();
-            }
-            const DiffReport report = diff_programs(arguments->original, arguments->output, [&](const WordChange& change) {
+  verb->add_option("--most", arguments->lines, "how many changed words to list, 0 = all")
+      ->capture_default_str();
+  return {
+      verb, [arguments, &session] {
+        const auto profile = load_profile(arguments->profile, session);
+        if (!profile) return;
+        std::size_t listed = 0;
+        std::string changes;
+        JsonWriter json;
+        if (arguments->json) {
+          json.begin_object();
+          json.key("changes");
+          json.begin_array();
+        }
+        const DiffReport report = diff_programs(
+            arguments->original, arguments->output,
+            [&](const WordChange& change) {
               if (arguments->lines != 0 && listed >= arguments->lines) return;
               ++listed;
               if (arguments->json) {
@@ -149,45 +173,66 @@ Verb diff_verb(CLI::App& program, Session& session) {
                 json.end();
                 return;
               }
-              if (change.added) changes += fmt::format("{:>8} {:>8}  {}  {:>14}  {:>14}  added\n", change.line_in, change.line_out, change.letter, "", change.text_after);
-              else changes += fmt::format("{:>8} {:>8}  {}  {:>14}  {:>14}  {:+.5f}\n", change.line_in, change.line_out, change.letter, change.text_before, change.text_after, change.after - change.before);
-            }, profile.get());
-            session.report(report.diagnostics, report.readable ? Exit::disagrees : Exit::invalid);
-            if (!report.readable) return;
-            if (arguments->json) {
-              json.end();
-              json.member("same_program", report.same_program);
-              json.member("changed_words", report.changed_words);
-              json.member("added_words", report.added_words);
-              json.member("added_blocks", report.added_blocks);
-              json.member("header_lines", report.header_lines);
-              json.member("taken_up", report.taken_up);
-              json.end();
-              session.out.write(json.take() + "\n");
-              return;
-            }
-            if (listed > 0) session.out.write("    line   output      before           after           change (program units)\n" + changes);
-            if (report.changed_words + report.added_words > listed) session.out.write(fmt::format("  ... {} more (--most 0 lists all)\n", report.changed_words + report.added_words - listed));
-            session.out.write(fmt::format("{} words changed, {} added, {} blocks added, {} header lines\n", report.changed_words, report.added_words, report.added_blocks, report.header_lines));
-            if (report.taken_up > 0) session.out.write(fmt::format("{} arcs begin with a straight move (G1) that takes up lost motion\n", report.taken_up));
-            session.out.write(report.same_program ? "apart from these numbers the program is the same, byte for byte\n" : "the programs differ in more than numbers\n");
-          }};
+              if (change.added)
+                changes += fmt::format("{:>8} {:>8}  {}  {:>14}  {:>14}  added\n", change.line_in,
+                                       change.line_out, change.letter, "", change.text_after);
+              else
+                changes += fmt::format("{:>8} {:>8}  {}  {:>14}  {:>14}  {:+.5f}\n", change.line_in,
+                                       change.line_out, change.letter, change.text_before, change.text_after,
+                                       change.after - change.before);
+            },
+            profile.get());
+        session.report(report.diagnostics, report.readable ? Exit::disagrees : Exit::invalid);
+        if (!report.readable) return;
+        if (arguments->json) {
+          json.end();
+          json.member("same_program", report.same_program);
+          json.member("changed_words", report.changed_words);
+          json.member("added_words", report.added_words);
+          json.member("added_blocks", report.added_blocks);
+          json.member("header_lines", report.header_lines);
+          json.member("taken_up", report.taken_up);
+          json.end();
+          session.out.write(json.take() + "\n");
+          return;
+        }
+        if (listed > 0)
+          session.out.write(
+              "    line   output      before           after           change (program units)\n" + changes);
+        if (report.changed_words + report.added_words > listed)
+          session.out.write(fmt::format("  ... {} more (--most 0 lists all)\n",
+                                        report.changed_words + report.added_words - listed));
+        session.out.write(fmt::format("{} words changed, {} added, {} blocks added, {} header lines\n",
+                                      report.changed_words, report.added_words, report.added_blocks,
+                                      report.header_lines));
+        if (report.taken_up > 0)
+          session.out.write(fmt::format("{} arcs begin with a straight move (G1) that takes up lost motion\n",
+                                        report.taken_up));
+        session.out.write(report.same_program
+                              ? "apart from these numbers the program is the same, byte for byte\n"
+                              : "the programs differ in more than numbers\n");
+      }};
 }
 
 Verb explain_verb(CLI::App& program, Session& session) {
   auto arguments = std::make_shared<RewriteArguments>();
-  CLI::App* verb = program.add_subcommand("explain", "why a block is rewritten as it is: frames, position, correction, decision");
+  CLI::App* verb = program.add_subcommand(
+      "explain", "why a block is rewritten as it is: frames, position, correction, decision");
   add_program_options(*verb, arguments->program, session);
   verb->add_option("place", arguments->input, "FILE:LINE");
   return {verb, [arguments, &session] {
             if (!settle_files(arguments->program.common, {&arguments->input}, session)) return;
             const std::size_t colon = arguments->input.rfind(':');
-            const auto line = colon == std::string::npos ? std::nullopt : read_number(std::string_view(arguments->input).substr(colon + 1));
+            const auto line = colon == std::string::npos
+                                  ? std::nullopt
+                                  : read_number(std::string_view(arguments->input).substr(colon + 1));
             if (!line || *line < 1 || *line > 1e15) {
-              session.report(option_error("explain", fmt::format("'{}' is not FILE:LINE", arguments->input), "write part.ngc:120"));
+              session.report(option_error("explain", fmt::format("'{}' is not FILE:LINE", arguments->input),
+                                          "write part.ngc:120"));
               return;
             }
-            auto setting = load_program_setting(arguments->program, arguments->input.substr(0, colon), session);
+            auto setting =
+                load_program_setting(arguments->program, arguments->input.substr(0, colon), session);
             if (!setting) return;
             setting->job.program = arguments->input.substr(0, colon);
             setting->job.trace_line = static_cast<std::uint64_t>(*line);
@@ -196,16 +241,23 @@ Verb explain_verb(CLI::App& program, Session& session) {
             if (outcome.end != ProgramEnd::done) session.note(exit_of(outcome.end));
             const auto& trace = outcome.rewrite.trace;
             if (!trace) {
-              if (outcome.end == ProgramEnd::done) session.out.write("nothing is executed on that line: it is copied\n");
+              if (outcome.end == ProgramEnd::done)
+                session.out.write("nothing is executed on that line: it is copied\n");
               return;
             }
-            const auto vec = [](const Vec3& v) { return fmt::format("X {:.4f}  Y {:.4f}  Z {:.4f}", v.x(), v.y(), v.z()); };
-            const auto in_um = [](const Vec3& v) { return fmt::format("X {:+.2f}  Y {:+.2f}  Z {:+.2f} um", v.x() / um, v.y() / um, v.z() / um); };
+            const auto vec = [](const Vec3& v) {
+              return fmt::format("X {:.4f}  Y {:.4f}  Z {:.4f}", v.x(), v.y(), v.z());
+            };
+            const auto in_um = [](const Vec3& v) {
+              return fmt::format("X {:+.2f}  Y {:+.2f}  Z {:+.2f} um", v.x() / um, v.y() / um, v.z() / um);
+            };
             if (arguments->program.common.json) {
               JsonWriter json;
               json.begin_object();
               json.member("frame", trace->frame);
-              const auto vector = [&](const char* name, const Vec3& v, double unit) { json.member(name, Vec3(v / unit)); };
+              const auto vector = [&](const char* name, const Vec3& v, double unit) {
+                json.member(name, Vec3(v / unit));
+              };
               vector("frame_origin_mm", trace->frame_origin, 1);
               vector("g92_mm", trace->g92, 1);
               vector("tool_offset_mm", trace->tool_offset, 1);
@@ -232,9 +284,14 @@ Verb explain_verb(CLI::App& program, Session& session) {
             }
             text += fmt::format("  frame       {} at {} mm", trace->frame, vec(trace->frame_origin));
             if (trace->g92 != Vec3::Zero()) text += fmt::format(", G92/G52 {}", vec(trace->g92));
-            text += fmt::format("\n  tool        {}, offset {} mm, gauge length {:.4f} mm\n", trace->tool ? fmt::format("T{}", *trace->tool) : std::string("of the machine file"), vec(trace->tool_offset), trace->gauge_length);
-            text += fmt::format("  axes        from {} mm\n              to   {} mm\n", vec(trace->start), vec(trace->end));
-            text += fmt::format("  correction  {}   (datum removed: {})\n  decision    {}\n", in_um(trace->correction), in_um(trace->datum), trace->decision);
+            text += fmt::format(
+                "\n  tool        {}, offset {} mm, gauge length {:.4f} mm\n",
+                trace->tool ? fmt::format("T{}", *trace->tool) : std::string("of the machine file"),
+                vec(trace->tool_offset), trace->gauge_length);
+            text += fmt::format("  axes        from {} mm\n              to   {} mm\n", vec(trace->start),
+                                vec(trace->end));
+            text += fmt::format("  correction  {}   (datum removed: {})\n  decision    {}\n",
+                                in_um(trace->correction), in_um(trace->datum), trace->decision);
             session.out.write(text);
           }};
 }

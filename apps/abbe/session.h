@@ -64,8 +64,8 @@ class Session {
 [[nodiscard]] Diagnostic option_warning(std::string_view option, std::string message, std::string fix = {});
 
 /// From now on SIGINT and SIGTERM ask the run to stop (a second one kills it) and standard input can no
-/// longer be read, so that waiting for it ends with an error; SIGPIPE and SIGXFSZ are errors of write(). There
-/// is one such flag per process because there is one signal handler.
+/// longer be read, so that waiting for it ends with an error; SIGPIPE and SIGXFSZ are errors of write().
+/// There is one such flag per process because there is one signal handler.
 void catch_signals();
 [[nodiscard]] bool interrupted();
 

@@ -11,23 +11,23 @@
 #define AXES 16
 #define CYCLE 0.001 /* s */
 
-/* All corrections fade in and out together, by this share per cycle. A rotary correction and the linear ones that
- * make up for it belong together: axes that faded one by one would move the tip away from both. */
+/* All corrections fade in and out together, by this share per cycle. A rotary correction and the linear ones
+ * that make up for it belong together: axes that faded one by one would move the tip away from both. */
 #define FADE (4 * CYCLE)
-/* From one cycle to the next a correction changes by less than this, mm and rad; a larger change is a new pose of
- * the machine (a pole was crossed, another tool was taken) and is faded over to. */
+/* From one cycle to the next a correction changes by less than this, mm and rad; a larger change is a new
+ * pose of the machine (a pole was crossed, another tool was taken) and is faded over to. */
 #define CONTINUOUS 0.002
 
 struct task {
-  const abbe_rt_model *model;
+  const abbe_rt_model* model;
   int axes;
   double correction[AXES]; /* the last one that was good */
   double share;            /* of it that is in force, 0 to 1 */
 };
 
 /* One cycle: the command in, what the drives get out. 0: the command is no command, nothing was written. */
-static int cycle(struct task *task, const double *command, double gauge_length, double *drives,
-                 abbe_rt_status *status) {
+static int cycle(struct task* task, const double* command, double gauge_length, double* drives,
+                 abbe_rt_status* status) {
   double wanted[AXES];
   int i, follows;
   *status = abbe_rt_correct(task->model, command, gauge_length, wanted, NULL);
@@ -45,9 +45,9 @@ static int cycle(struct task *task, const double *command, double gauge_length, 
   return 1;
 }
 
-int main(int argc, char **argv) {
+int main(int argc, char** argv) {
   char message[2000];
-  abbe_rt_model *model;
+  abbe_rt_model* model;
   struct task task;
   double command[AXES] = {0}, drives[AXES];
   int i, k;
@@ -85,8 +85,12 @@ int main(int argc, char **argv) {
     if (i % 200 != 0) continue;
     printf("%8d", i);
     for (k = 0; k < task.axes; ++k)
-      printf("%10.4f %8.2f", command[k], (abbe_rt_is_rotary(model, k) ? 1e6 : 1e3) * (drives[k] - command[k]));
-    printf("  %s, %3.0f %%\n", status == ABBE_RT_HELD ? "held" : status == ABBE_RT_OUTSIDE ? "outside" : "ok",
+      printf("%10.4f %8.2f", command[k],
+             (abbe_rt_is_rotary(model, k) ? 1e6 : 1e3) * (drives[k] - command[k]));
+    printf("  %s, %3.0f %%\n",
+           status == ABBE_RT_HELD      ? "held"
+           : status == ABBE_RT_OUTSIDE ? "outside"
+                                       : "ok",
            100 * task.share);
   }
   abbe_rt_free(model);

@@ -13,9 +13,9 @@
 namespace abbe::cli {
 namespace {
 
+using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
-using nlohmann::json;
 
 constexpr const char* kMachine = R"(format = 1
 [machine]
@@ -38,9 +38,11 @@ EB0Z = 15
 TEST(Profiles, AreListedAndExplained) {
   const auto all = run_abbe({"profiles"});
   EXPECT_EQ(all.exit, 0);
-  for (const char* name : {"fanuc", "grbl", "grblhal", "haas", "iso", "linuxcnc", "siemens"}) EXPECT_THAT(all.out, HasSubstr(name));
+  for (const char* name : {"fanuc", "grbl", "grblhal", "haas", "iso", "linuxcnc", "siemens"})
+    EXPECT_THAT(all.out, HasSubstr(name));
   const auto fanuc = run_abbe({"profiles", "fanuc"});
-  EXPECT_THAT(fanuc.out, AllOf(HasSubstr("G54.1"), HasSubstr("refused: a macro moves the machine"), HasSubstr("every other code is refused")));
+  EXPECT_THAT(fanuc.out, AllOf(HasSubstr("G54.1"), HasSubstr("refused: a macro moves the machine"),
+                               HasSubstr("every other code is refused")));
   const auto list = json::parse(run_abbe({"profiles", "--json"}).out);
   EXPECT_EQ(list.size(), 7U);
   const auto one = json::parse(run_abbe({"profiles", "haas", "--json"}).out);
@@ -52,7 +54,8 @@ TEST(Profiles, AreListedAndExplained) {
 
 TEST(Profiles, MistakesAreTold) {
   const Folder folder;
-  const std::string file = folder.put("my.toml", "format = 1\nextends = \"fanuc\"\n[codes]\nM251 = \"copi\"\n");
+  const std::string file =
+      folder.put("my.toml", "format = 1\nextends = \"fanuc\"\n[codes]\nM251 = \"copi\"\n");
   const auto wrong = run_abbe({"profiles", "--profile", file});
   EXPECT_EQ(wrong.exit, 2);
   EXPECT_THAT(wrong.err, HasSubstr("my.toml:4:8: error[E-VALUE]"));
@@ -68,7 +71,8 @@ TEST(Profiles, AFileOfOnesOwnTeachesACode) {
   folder.put("m.toml", kMachine);
   folder.put("p.nc", "G21 G90\nG0 X100. Y0. Z0.\nM251\nM30\n");
   folder.put("vmc.toml", "format = 1\nextends = \"fanuc\"\n[codes]\nM251 = \"auxiliary\"\n");
-  const std::vector<std::string> base = {"compensate", "m.toml", "p.nc", "-o", "o.nc", "--offset", "G54=X0,Y0,Z0"};
+  const std::vector<std::string> base = {"compensate", "m.toml",   "p.nc",        "-o",
+                                         "o.nc",       "--offset", "G54=X0,Y0,Z0"};
   auto with = [&](std::vector<std::string> more) {
     more.insert(more.begin(), base.begin(), base.end());
     return run_abbe(more, {}, folder.path());
@@ -96,8 +100,11 @@ TEST_P(MustAccept, ProgramsOfOthers) {
   const std::string machine = folder.put("m.toml", kMachine);
   std::string tools;
   for (int i = 1; i < 60; ++i) tools += "T" + std::to_string(i) + " P" + std::to_string(i) + " Z100 D10\n";
-  std::vector<std::string> arguments = {"compensate", machine, program, "-o", folder / "o.nc", "--json", "--dialect", GetParam().dialect,
-                                        "--offset", "G54=X0,Y0,Z0", "--tools", folder.put("tool.tbl", tools), "--start", "X0,Y0,Z0"};
+  std::vector<std::string> arguments = {
+      "compensate",    machine,        program,     "-o",
+      folder / "o.nc", "--json",       "--dialect", GetParam().dialect,
+      "--offset",      "G54=X0,Y0,Z0", "--tools",   folder.put("tool.tbl", tools),
+      "--start",       "X0,Y0,Z0"};
   arguments.insert(arguments.end(), GetParam().options.begin(), GetParam().options.end());
   const auto run = run_abbe(arguments);
   ASSERT_EQ(run.exit, 0) << run.err;
@@ -109,15 +116,18 @@ const std::vector<std::string> kStated = {"--units", "mm", "--integer-words", "u
 
 INSTANTIATE_TEST_SUITE_P(
     Corpus, MustAccept,
-    ::testing::Values(Accepted{"fanuc", "maestro-G17_18_19.NC", kStated}, Accepted{"fanuc", "maestro-G81.NC", kStated},
-                      Accepted{"fanuc", "maestro-VINT_360arc.NC", kStated}, Accepted{"haas", "maestro-G17_18_19.NC", kStated},
-                      Accepted{"haas", "maestro-G81.NC", kStated}, Accepted{"haas", "maestro-VINT_360arc.NC", kStated},
-                      Accepted{"grbl", "camotics-slant_test.nc", {}}, Accepted{"grbl", "cncjs-arc-xy-plane.gcode", {}},
-                      Accepted{"grbl", "cncjs-arc-xz-plane.gcode", {}}, Accepted{"grbl", "ugs-comments.gcode", {}},
-                      Accepted{"grbl", "ugs-g17-g18-g19.gcode", {}}, Accepted{"grblhal", "camotics-slant_test.nc", {}},
-                      Accepted{"grblhal", "cncjs-arc-xy-plane.gcode", {}}, Accepted{"grblhal", "ugs-g17-g18-g19.gcode", {}},
-                      Accepted{"linuxcnc", "ugs-arc_rword_test.gcode", {}}, Accepted{"linuxcnc", "ugs-g17-g18-g19.gcode", {}},
-                      Accepted{"linuxcnc", "tangent_helix.ngc", {}}, Accepted{"linuxcnc", "camotics-slant_test.nc", {}}),
+    ::testing::Values(
+        Accepted{"fanuc", "maestro-G17_18_19.NC", kStated}, Accepted{"fanuc", "maestro-G81.NC", kStated},
+        Accepted{"fanuc", "maestro-VINT_360arc.NC", kStated},
+        Accepted{"haas", "maestro-G17_18_19.NC", kStated}, Accepted{"haas", "maestro-G81.NC", kStated},
+        Accepted{"haas", "maestro-VINT_360arc.NC", kStated}, Accepted{"grbl", "camotics-slant_test.nc", {}},
+        Accepted{"grbl", "cncjs-arc-xy-plane.gcode", {}}, Accepted{"grbl", "cncjs-arc-xz-plane.gcode", {}},
+        Accepted{"grbl", "ugs-comments.gcode", {}}, Accepted{"grbl", "ugs-g17-g18-g19.gcode", {}},
+        Accepted{"grblhal", "camotics-slant_test.nc", {}},
+        Accepted{"grblhal", "cncjs-arc-xy-plane.gcode", {}}, Accepted{"grblhal", "ugs-g17-g18-g19.gcode", {}},
+        Accepted{"linuxcnc", "ugs-arc_rword_test.gcode", {}},
+        Accepted{"linuxcnc", "ugs-g17-g18-g19.gcode", {}}, Accepted{"linuxcnc", "tangent_helix.ngc", {}},
+        Accepted{"linuxcnc", "camotics-slant_test.nc", {}}),
     [](const auto& test) {
       std::string name = std::string(test.param.dialect) + "_" + test.param.file;
       for (char& c : name)
@@ -125,7 +135,8 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
-/// Inputs on which other programs drop words, move a wrong frame or invent holes: right, or refused with a place.
+/// Inputs on which other programs drop words, move a wrong frame or invent holes: right, or refused with a
+/// place.
 struct PeerInput {
   const char* name;
   const char* dialect;
@@ -139,11 +150,14 @@ class PeersFail : public ::testing::TestWithParam<PeerInput> {};
 TEST_P(PeersFail, HereComesOutRightOrRefused) {
   const Folder folder;
   // Z rises with X: 0.5 um per mm; no other error
-  folder.put("m.toml", "format = 1\n[machine]\nname = \"peers\"\nchain = \"w b X Y Z t\"\n[errors]\nEZX = { poly = [0, -0.5] }\n");
+  folder.put("m.toml",
+             "format = 1\n[machine]\nname = \"peers\"\nchain = \"w b X Y Z t\"\n[errors]\nEZX = { poly = [0, "
+             "-0.5] }\n");
   folder.put("p.ngc", GetParam().program);
-  const auto run = run_abbe({"compensate", "m.toml", "p.ngc", "-o", "-", "--header", "none", "--datum", "ideal", "--offset", "G54=X0,Y0,Z0", "--dialect",
-                             GetParam().dialect, "--start", "X0,Y0,Z5", "--block-delete", "off"},
-                            {}, folder.path());
+  const auto run = run_abbe(
+      {"compensate", "m.toml", "p.ngc", "-o", "-", "--header", "none", "--datum", "ideal", "--offset",
+       "G54=X0,Y0,Z0", "--dialect", GetParam().dialect, "--start", "X0,Y0,Z5", "--block-delete", "off"},
+      {}, folder.path());
   EXPECT_EQ(run.exit, GetParam().exit) << run.err;
   EXPECT_THAT(run.exit == 0 ? run.out : run.err, HasSubstr(GetParam().expected)) << run.err;
 }
@@ -158,11 +172,13 @@ INSTANTIATE_TEST_SUITE_P(
         PeerInput{"further_axes", "linuxcnc", "G1 X30 A90 F50\nM2\n", 3, "p.ngc:1:8: error[E-ROTARY]"},
         PeerInput{"extruder", "linuxcnc", "G1 X30 E5 F50\nM2\n", 3, "p.ngc:1:8: error[E-WORD]"},
         PeerInput{"block_delete", "linuxcnc", "/G1X25F10\nM2\n", 0, "/G1X25F10Z5.0125\n"},
-        PeerInput{"number_and_comment", "linuxcnc", "N10 G1X25F10 (move)\nM2\n", 0, "N10 G1X25F10 Z5.0125 (move)\n"},
+        PeerInput{"number_and_comment", "linuxcnc", "N10 G1X25F10 (move)\nM2\n", 0,
+                  "N10 G1X25F10 Z5.0125 (move)\n"},
         PeerInput{"position_set", "linuxcnc", "G92X100\nG1X105F10\nM2\n", 0, "G1X105F10Z5.0025\n"},
         PeerInput{"arc_by_centre", "grbl", "G2X20Y0I10J0F100\nM2\n", 0, "G2"},
         PeerInput{"holes", "linuxcnc", "G99 G81 X5 Y5 Z-2 R1 F50\nX9\nG80\nM2\n", 0, "\nX9"},
-        PeerInput{"frame_and_rapid", "linuxcnc", "G54 G0 X50\nG1 X55 F50\nM2\n", 0, "G54 G0 X50 Z5.0250\nG1 X55 F50 Z5.0275\n"},
+        PeerInput{"frame_and_rapid", "linuxcnc", "G54 G0 X50\nG1 X55 F50\nM2\n", 0,
+                  "G54 G0 X50 Z5.0250\nG1 X55 F50 Z5.0275\n"},
         PeerInput{"signs", "linuxcnc", "G0 X+1.0\nM2\n", 0, "G0 X+1.0 Z5.0005\n"},
         PeerInput{"variables", "linuxcnc", "#100=5\nX#100\nM2\n", 3, "p.ngc:2:2: error[E-EXPR]"},
         PeerInput{"digits", "linuxcnc", "G0 X1.234567\nM2\n", 0, "X1.234567"},

@@ -40,7 +40,8 @@ TEST_F(Fit, HiddenErrorsAreFoundAndUsed) {
   ASSERT_EQ(fit.exit, 0) << fit.err;
   const json answer = json::parse(fit.out);
   EXPECT_EQ(answer["verb"], "fit");
-  EXPECT_EQ(answer["rank"].get<std::size_t>() + answer["not_determined"].size(), answer["unknowns"].get<std::size_t>());
+  EXPECT_EQ(answer["rank"].get<std::size_t>() + answer["not_determined"].size(),
+            answer["unknowns"].get<std::size_t>());
   ASSERT_EQ(answer["locations"].size(), 1U);
   EXPECT_EQ(answer["locations"][0]["name"], "EC0Y");
   EXPECT_NEAR(answer["locations"][0]["value"], 25, 3);

@@ -52,7 +52,8 @@ class Programs : public ::testing::Test {
 
 TEST_F(Programs, WhatOnlyTheVerifyingReaderRefusesIsRefused) {
   // An arc of 0.8 urad, which LinuxCNC would make a full circle.
-  const ProgramRun run = compensate(folder_.put("arc.ngc", "G54\nG0 X10 Y0.3 Z5\nG3 X10.00004 Y0.3 I0 J50 F100\nM2\n"));
+  const ProgramRun run =
+      compensate(folder_.put("arc.ngc", "G54\nG0 X10 Y0.3 Z5\nG3 X10.00004 Y0.3 I0 J50 F100\nM2\n"));
   EXPECT_EQ(run.exit, 3) << run.err;
   EXPECT_THAT(run.err, HasSubstr("E-ARC"));
   EXPECT_FALSE(std::filesystem::exists(out_));

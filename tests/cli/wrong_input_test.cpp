@@ -35,8 +35,9 @@ class WrongInput : public ::testing::Test {
 };
 
 TEST(Usage, HelpAndVersionAreAnswers) {
-  for (const char* verb : {"describe", "derive", "predict", "map", "correct", "inverse", "cl-correct", "signcheck",
-                           "compensate", "check", "verify", "diff", "explain", "evaluate", "fit"}) {
+  for (const char* verb :
+       {"describe", "derive", "predict", "map", "correct", "inverse", "cl-correct", "signcheck", "compensate",
+        "check", "verify", "diff", "explain", "evaluate", "fit"}) {
     const ProgramRun run = run_abbe({verb, "--help"});
     EXPECT_EQ(run.exit, 0) << verb;
     EXPECT_THAT(run.out, HasSubstr("Usage")) << verb;
@@ -246,8 +247,8 @@ TEST_F(WrongInput, AFileSizeLimitLeavesNothingBehind) {
     const int nowhere = ::open("/dev/null", O_WRONLY);
     ::dup2(nowhere, STDOUT_FILENO);
     ::dup2(nowhere, STDERR_FILENO);
-    ::execl(ABBE_PROGRAM, "abbe", "compensate", machine_.c_str(), part.c_str(), "-o", out.c_str(), "--set", "T1=20",
-            "--offset", "G54=X0,Y0,Z0", nullptr);
+    ::execl(ABBE_PROGRAM, "abbe", "compensate", machine_.c_str(), part.c_str(), "-o", out.c_str(), "--set",
+            "T1=20", "--offset", "G54=X0,Y0,Z0", nullptr);
     ::_exit(127);
   }
   int status = 0;

@@ -18,7 +18,8 @@ namespace {
 
 constexpr const char* kMachine =
     "format = 1\n[machine]\nname = \"ideal\"\nchain = \"w C A Y b X Z t\"\n[axis.C]\ndirection = [0, 0, -1]\n"
-    "[axis.A]\ndirection = [-1, 0, 0]\nrange = [-120, 120]\norigin = [0, 0, -60]\n[tool]\norigin = [0, 0, 150]\nlength = 150\n";
+    "[axis.A]\ndirection = [-1, 0, 0]\nrange = [-120, 120]\norigin = [0, 0, -60]\n[tool]\norigin = [0, 0, "
+    "150]\nlength = 150\n";
 
 const abbe::Plan& ideal_plan() {
   static const abbe::Machine machine = *abbe::read_machine({"ideal.toml", kMachine}, std::nullopt, {}).value;

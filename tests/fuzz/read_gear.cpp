@@ -6,7 +6,8 @@
 
 #include "abbe/gear/gear_file.h"
 
-// Gear files: any bytes give a gear or diagnostics; the flanks and the wheel of a gear that is read are numbers.
+// Gear files: any bytes give a gear or diagnostics; the flanks and the wheel of a gear that is read are
+// numbers.
 
 namespace {
 
@@ -25,7 +26,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const auto rolls = abbe::even_rolls(gear, 3);
   for (const abbe::Flank flank : {abbe::Flank::right, abbe::Flank::left})
     for (const double roll : rolls) {
-      const abbe::FlankPoint at = abbe::flank_point(gear, flank, roll, gear.spec.face_width / 2, abbe::Modified::all);
+      const abbe::FlankPoint at =
+          abbe::flank_point(gear, flank, roll, gear.spec.face_width / 2, abbe::Modified::all);
       require(at.position.allFinite() && std::abs(at.normal.norm() - 1) < 1e-9);
     }
   const auto wheel = abbe::fit_wheel(gear, job.value->wheel, rolls);

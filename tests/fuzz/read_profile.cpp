@@ -1,10 +1,10 @@
 // Any bytes as a profile of a control: a value, or reasons with places.
 
+#include "abbe/machine/read_profile.h"
+
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
-
-#include "abbe/machine/read_profile.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const auto parsed = abbe::read_profile("fuzz.toml", {reinterpret_cast<const char*>(data), size});

@@ -1,4 +1,5 @@
-// Any bytes as a program of each control through the rewriter, without errors: refused, or byte for byte the same.
+// Any bytes as a program of each control through the rewriter, without errors: refused, or byte for byte the
+// same.
 
 #include <unistd.h>
 
@@ -26,7 +27,8 @@ const abbe::Plan& ideal_plan() {
 }
 
 /// Aborts if the program comes out otherwise than it went in, or is refused without a reason.
-void rewrite_for(const std::string& stem, const std::string& program, std::shared_ptr<const abbe::Profile> profile) {
+void rewrite_for(const std::string& stem, const std::string& program,
+                 std::shared_ptr<const abbe::Profile> profile) {
   abbe::RewriteJob job;
   job.setup.profile = std::move(profile);
   job.path = job.name = stem + ".ngc";

@@ -53,10 +53,9 @@ void judge(const std::string& path, abbe::VerifyJob job, const char* dialect) {
   profile.start.units = abbe::Profile::Units::metric;
   profile.start.distance = abbe::Profile::Distance::absolute;
   job.setup.profile = std::make_shared<const abbe::Profile>(std::move(profile));
-  const auto refused =
-      abbe::verifying::list_motions(path, "fuzz.ngc", job.setup, [](const ListedMotion& m) {
-        require(m.end.allFinite() && m.centre.allFinite(), "a position is not finite");
-      });
+  const auto refused = abbe::verifying::list_motions(path, "fuzz.ngc", job.setup, [](const ListedMotion& m) {
+    require(m.end.allFinite() && m.centre.allFinite(), "a position is not finite");
+  });
   for (const auto& d : refused)
     require(!d.code.empty() && !abbe::to_text(d).empty(), "a refusal says nothing");
 

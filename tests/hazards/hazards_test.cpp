@@ -84,7 +84,8 @@ INSTANTIATE_TEST_SUITE_P(
         Hazard{"h05_further_axes", "kink", 3, {"4:9: error[E-ROTARY]", "5:7: error[E-WORD]"}, {}},
         Hazard{"h05_rotary_words", "kink_a", 0, {}, {}},
         Hazard{"h06_rotary_feed", "offset", 3, {"4:4: error[E-ROTARY]"}, {}},
-        Hazard{"h06_rotary_alone", "askew_a", 0, {}, {}}, Hazard{"h07_sign_is_direction", "sign_c", 0, {}, {}},
+        Hazard{"h06_rotary_alone", "askew_a", 0, {}, {}},
+        Hazard{"h07_sign_is_direction", "sign_c", 0, {}, {}},
         Hazard{"h08_half_turn", "shortest_c", 3, {"4:1: error[E-TURN]"}, {}},
         Hazard{"h09_tiny_arc", "scale", 0, {}, {}}, Hazard{"h10_full_circle", "scale", 0, {}, {}},
         Hazard{"h11_radius_form", "scale", 0, {}, {}}, Hazard{"h12_other_planes", "offset", 0, {}, {}},
@@ -98,7 +99,11 @@ INSTANTIATE_TEST_SUITE_P(
                {}},
         Hazard{"h18_unknown_codes", "offset", 3, {"4:1: error[E-FRAME]", "5:1: error[E-GCODE]"}, {}},
         Hazard{"h19_unknown_height", "offset", 0, {}, {"--tools", "tool.tbl"}},
-        Hazard{"h20_integer_words", "offset", 3, {"4:4: error[E-DECIMAL]", "5:4: error[E-DECIMAL]"}, {"--dialect", "fanuc"}},
+        Hazard{"h20_integer_words",
+               "offset",
+               3,
+               {"4:4: error[E-DECIMAL]", "5:4: error[E-DECIMAL]"},
+               {"--dialect", "fanuc"}},
         Hazard{"h24_short_lines", "offset", 3, {"3:1: error[E-LINELEN]"}, {"--dialect", "grbl"}},
         Hazard{"h21_outside", "offset", 5, {"4:1: error[E-TRAVEL]"}, {}},
         Hazard{"h22_compensated", "offset", 3, {"1:2: error[E-COMPENSATED]"}, {}},
@@ -124,16 +129,20 @@ std::vector<double> words(const std::string& program, char letter) {
 
 /// X100 is 100 mm or 0.1 mm: a factor of a thousand, which nothing in the program tells.
 TEST(HazardLaws, IntegerWordsCountWhatTheFlagSays) {
-  const Outcome increments = compensate("h20_integer_words", "offset", {"--dialect", "fanuc", "--integer-words", "increments"});
+  const Outcome increments =
+      compensate("h20_integer_words", "offset", {"--dialect", "fanuc", "--integer-words", "increments"});
   EXPECT_THAT(increments.output, HasSubstr("G0 X99.990 Y0 Z0.020\nG1 X49.990 F500.\n")) << increments.run.err;
-  const Outcome units = compensate("h20_integer_words", "offset", {"--dialect", "fanuc", "--integer-words", "units"});
+  const Outcome units =
+      compensate("h20_integer_words", "offset", {"--dialect", "fanuc", "--integer-words", "units"});
   EXPECT_EQ(units.run.exit, 5) << "100 m are outside";
 }
 
-/// Codes of other controls that the programs of this folder meet, on each of them: handled or refused, never moved.
+/// Codes of other controls that the programs of this folder meet, on each of them: handled or refused, never
+/// moved.
 TEST(HazardLaws, UnknownCodesAreRefusedOnEveryControl) {
   for (const char* dialect : {"linuxcnc", "fanuc", "haas", "grbl", "grblhal", "iso", "siemens"}) {
-    for (const char* name : {"h17_variables", "h18_unknown_codes", "h25_cutter_compensation", "h29_subprograms"}) {
+    for (const char* name :
+         {"h17_variables", "h18_unknown_codes", "h25_cutter_compensation", "h29_subprograms"}) {
       const Outcome outcome = compensate(name, "offset", {"--dialect", dialect});
       EXPECT_EQ(outcome.run.exit, 3) << dialect << " " << name;
       EXPECT_FALSE(outcome.written);

@@ -1,3 +1,4 @@
-#include "abbe/chain/plan.h"
-#include <openssl/evp.h>
 #include <fmt/core.h>
+#include <openssl/evp.h>
+
+#include "abbe/chain/plan.h"

@@ -1,4 +1,6 @@
 #pragma once
 #include <fmt/core.h>
+
 #include <vector>
+
 #include "abbe/core/other.h"

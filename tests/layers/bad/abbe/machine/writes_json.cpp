@@ -1,3 +1,5 @@
-#include "machine.h"
-#include <nlohmann/json.hpp>
 #include <toml++/toml.h>
+
+#include <nlohmann/json.hpp>
+
+#include "machine.h"

@@ -1,5 +1,7 @@
 #pragma once
+#include <unistd.h>
+
+#include <Eigen/Core>
+
 #include "abbe/machine/control_setup.h"
 #include "abbe/machine/machine.h"
-#include <unistd.h>
-#include <Eigen/Core>

@@ -1,3 +1,4 @@
-#include "abbe/program/block.h"
-#include "abbe/chain/plan.h"
 #include <gtest/gtest.h>
+
+#include "abbe/chain/plan.h"
+#include "abbe/program/block.h"
