@@ -122,6 +122,21 @@ TEST(Sweep, MovingBothMovesNothing) {
   }
 }
 
+TEST(Sweep, ASwingingShankReachesFarthestAtItsEnd) {
+  // The tip stands, the axis swings by a to both sides: at the height 15 the shank reaches x = -(R + 15 sin
+  // a) / cos a.
+  for (const double a : {2e-3, -2e-3}) {
+    const SweepPiece swing{{Vec3::Zero(), Vec3(-std::sin(a), 0, std::cos(a))},
+                           {Vec3::Zero(), Vec3(std::sin(a), 0, std::cos(a))},
+                           0};
+    const double x = (4 + 15 * std::sin(std::abs(a))) / std::cos(a);
+    for (const double side : {1.0, -1.0}) {
+      const Ray ray{Vec3(-6 * side, 0, 15), side * Vec3::UnitX(), 0, 4};
+      EXPECT_NEAR(entry_of({4, 1, 30}, swing, ray).value_or(99), 6 - x, kPico) << a << ' ' << side;
+    }
+  }
+}
+
 TEST(Sweep, KnownEntries) {
   const SweepPiece along_x{{Vec3(0, 0, 1), Vec3::UnitZ()}, {Vec3(10, 0, 1), Vec3::UnitZ()}, 0};
   const Ray up{Vec3(5, 1, 0), Vec3::UnitZ(), -2, 3};
