@@ -83,6 +83,29 @@ TEST(ToolPath, NoPointGouges) {
       EXPECT_GE(nominal(point.tip + Vec3(0, 0, 3)).distance, 3 - 1e-6);
 }
 
+TEST(ToolPath, ACreaseIsNotCutOff) {
+  // A ridge between slopes of +-0.4: from contact to contact the ball would go R (1 - cos(atan 0.4)) deep.
+  NurbsSurface tent;
+  tent.degree = {1, 1};
+  tent.count = {3, 2};
+  tent.knots = {std::vector<double>{0, 0, 1, 2, 2}, uniform_knots(2, 1)};
+  for (const Vec3& p : {Vec3(0, 0, 0), Vec3(10, 0, 4), Vec3(20, 0, 0)})
+    for (const double y : {0.0, 20.0}) tent.points.push_back(p + Vec3(0, y, 0));
+  tent.weights.assign(6, 1.0);
+  ToolPathJob job;
+  job.along_v = false;
+  const auto across = make_tool_path(NearestPoint(tent), job);
+  const auto* fault = std::get_if<ToolPathFault>(&across);
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(fault->kind, ToolPathFault::Kind::gouge);
+  EXPECT_NEAR(fault->point.x(), 10, 0.01);
+  EXPECT_NEAR(fault->value, 3 * (1 - 1 / std::sqrt(1.16)), 5 * um);
+  // Along the ridge, lifted between, nothing goes across it.
+  job.along_v = true;
+  job.zigzag = false;
+  EXPECT_GT(path_of(tent, job).passes.size(), 20u);
+}
+
 TEST(ToolPath, FaultsAreNamed) {
   const auto kind_of = [](const NurbsSurface& surface, const ToolPathJob& job) {
     const auto made = make_tool_path(NearestPoint(surface), job);

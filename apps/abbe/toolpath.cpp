@@ -38,7 +38,8 @@ FaultWords words_of(ToolPathFault::Kind kind) {
     case ToolPathFault::Kind::undercut:
       return {"E-PATH-UNDERCUT", "turn the part, or correct `outward` in the surface file"};
     case ToolPathFault::Kind::gouge:
-      return {"E-PATH-GOUGE", "a smaller cutter, or a part of the surface"};
+      return {"E-PATH-GOUGE",
+              "a smaller cutter, a part of the surface, or passes along the crease with --one-way"};
     case ToolPathFault::Kind::endless:
     case ToolPathFault::Kind::stopped:
       break;
