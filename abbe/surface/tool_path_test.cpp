@@ -153,7 +153,8 @@ TEST(WriteToolPath, ProgramsSpeakTheControlsLanguage) {
   const auto program = write_program(path, text, control);
   ASSERT_TRUE(program);
   EXPECT_EQ(*program,
-            "%\n(plate  one , ball of 3 mm)\nG21 G90 G94 G54\nG0 X0.0000 Y0.0000 Z5.0000\nG1 Z0.0000 "
+            "%\n(plate  one , ball of 3 mm)\n(switch on spindle and coolant before)\nG21 G90 G94 G54\nG0 "
+            "X0.0000 Y0.0000 Z5.0000\nG1 Z0.0000 "
             "F1000.0\nG1 Y4.0000\n"
             "G1 X5.0000\nG1 Y0.0000\nG1 X10.0000\nG1 Y4.0000\nG0 Z5.0000\nM2\n%\n");
   EXPECT_EQ(write_cl(path, text).substr(0, 120),
