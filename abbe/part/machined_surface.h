@@ -22,9 +22,9 @@ namespace abbe {
 ///
 /// errors   nullopt: uncut. A cut deeper than `reach` gives -reach.
 /// laws     EqualsTheBruteForceReference, APerfectBallLeavesTheKnownScallop, MoreCuttingNeverAddsMaterial
-/// cost     building: O(n log n), 0.7 us per piece; 200 bytes per piece; asking: about 5 us where 100000
-/// pieces of a
-///          3 mm ball lie 0.4 mm apart (docs/performance.md); immutable, shared by threads
+/// cost     building: O(n log n), 0.7 us per piece; 200 bytes per piece; asking: about 30 us where the
+///          passes of 100000 pieces of a 3 mm ball lie 0.25 mm apart (docs/performance.md); immutable, shared
+///          by threads
 /// source   Kay, Kajiya: Ray tracing complex scenes (1986), for the tree
 class MachinedSurface {
  public:

@@ -188,6 +188,7 @@ bool Follower::follow(const Motion& next) {
     from = to;
   }
   connected = true;
+  report.beyond_travel = report.beyond_travel || model.beyond_travel(next.end.at) >= 0;
   ++report.motions;
   report.poses += motion.poses.size();
   report.seconds += seconds_of(next);

@@ -31,10 +31,11 @@ struct PoseReport {
   enum class End { done, stopped, io, refused } end = End::refused;
   Diagnostics diagnostics;
   std::uint64_t motions = 0, poses = 0;
-  double seconds = 0;         ///< by the feeds; dwells and tool changes count nothing
-  double feed_length = 0;     ///< mm
-  bool outside = false;       ///< an error was held beyond its ends
-  Vec3 datum = Vec3::Zero();  ///< mm, workpiece axes: deviation at the work offset's origin, taken off
+  double seconds = 0;          ///< by the feeds; dwells and tool changes count nothing
+  double feed_length = 0;      ///< mm
+  bool outside = false;        ///< an error was held beyond its ends
+  bool beyond_travel = false;  ///< a motion ends where an axis of the machine does not reach
+  Vec3 datum = Vec3::Zero();   ///< mm, workpiece axes: deviation at the work offset's origin, taken off
 };
 
 /// Follows a program with the reader of `verify` and calls `motion` for every motion with the actual poses of

@@ -194,8 +194,22 @@ class Planner {
     along(pass, a, run, middle, last);
   }
 
+  /// Over a crease the ball jumps from one side to the other, and the chord between would cut the crease off.
+  void check_chord(const ToolContact& a, const ToolContact& b) {
+    // Normals w apart: in the middle of the chord the ball may be R (1 - cos(w / 2)) = R (1 - |n_a + n_b| /
+    // 2) deep. On a smooth surface less than the tolerance, so the nearest point is seldom asked.
+    if (fault_ || job_.radius * (1 - (a.normal + b.normal).norm() / 2) <= job_.tolerance) return;
+    const Vec3 middle = (centre_of(a, job_.radius) + centre_of(b, job_.radius)) / 2;
+    const SurfaceFoot foot = nominal_(middle);
+    const double depth = job_.radius - foot.distance;
+    if (depth > job_.tolerance) fail(ToolPathFault::Kind::gouge, foot.at, depth, foot.place);
+  }
+
   void put(ToolPass& pass, const ToolContact& point) {
-    if (!pass.points.empty()) path_.length += (point.tip - pass.points.back().tip).norm();
+    if (!pass.points.empty()) {
+      check_chord(pass.points.back(), point);
+      path_.length += (point.tip - pass.points.back().tip).norm();
+    }
     pass.points.push_back(point);
     ++path_.points;
   }
@@ -274,8 +288,7 @@ std::string to_text(const ToolPathFault& fault) {
     case ToolPathFault::Kind::undercut:
       return fmt::format("a tool along z cannot touch the surface {} (n.z = {:.3f})", at, fault.value);
     case ToolPathFault::Kind::gouge:
-      return fmt::format("the ball that touches {} cuts {:.4f} mm into another part of the surface", at,
-                         fault.value);
+      return fmt::format("the ball cuts {:.4f} mm into the surface or a crease of it {}", fault.value, at);
     case ToolPathFault::Kind::endless:
       return fmt::format("too many passes or points, {}", at);
     case ToolPathFault::Kind::stopped:

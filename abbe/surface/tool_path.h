@@ -48,7 +48,7 @@ struct ToolPathFault {
   enum class Kind {
     curvature,  ///< a hollow narrower than the ball: value = its radius, mm
     undercut,   ///< a tool along z cannot touch this: value = slope of the normal, n.z
-    gouge,      ///< the ball cuts another part of the surface: value = how deep, mm
+    gouge,      ///< the ball cuts another part of the surface, or a crease on its way: value = how deep, mm
     endless,    ///< more passes than kMostPasses, or more points than kMostPoints
     stopped,    ///< by `progress`
   } kind = Kind::curvature;
@@ -72,9 +72,11 @@ inline constexpr std::size_t kMostPasses = 20000, kMostPathPoints = 2000000;
 /// than wanted stays so.
 ///
 /// errors   ToolPathFault: the hollow is checked at every contact, the rest of the surface by its nearest
-/// point laws     CurvatureDecidesTheStep, FlatStepIsTheFormula, ScallopIsKept, ChordsKeepTheTolerance,
-/// NoPointGouges cost     25 us per point, for the gouge check source   Suresh, Yang: Constant scallop-height
-/// machining of free-form surfaces (1994)
+///          point, a crease between two points at the middle of their chord
+/// laws     CurvatureDecidesTheStep, FlatStepIsTheFormula, ChordsKeepTheTolerance, NoPointGouges,
+///          ACreaseIsNotCutOff; the scallop: Analytic.APerfectMachineLeavesTheScallopAndNothingElse
+/// cost     25 us per point, for the gouge check
+/// source   Suresh, Yang: Constant scallop-height machining of free-form surfaces (1994)
 [[nodiscard]] std::variant<ToolPath, ToolPathFault> make_tool_path(const NearestPoint& nominal,
                                                                    const ToolPathJob& job,
                                                                    const Progress& progress = {});
@@ -85,7 +87,7 @@ inline constexpr std::size_t kMostPasses = 20000, kMostPathPoints = 2000000;
 ///     centres on a circle of radius q - R (q = 1 / k), cusp on q - h:  the triangle of both by the law of
 ///     cosines
 ///
-/// laws     FlatStepIsTheFormula, HollowStepsAreWider
+/// laws     FlatStepIsTheFormula, CurvatureDecidesTheStep
 [[nodiscard]] double step_for_scallop(double radius, double scallop, double curvature);
 
 [[nodiscard]] std::string to_text(const ToolPathFault& fault);

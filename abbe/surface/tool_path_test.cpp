@@ -83,6 +83,29 @@ TEST(ToolPath, NoPointGouges) {
       EXPECT_GE(nominal(point.tip + Vec3(0, 0, 3)).distance, 3 - 1e-6);
 }
 
+TEST(ToolPath, ACreaseIsNotCutOff) {
+  // A ridge between slopes of +-0.4: from contact to contact the ball would go R (1 - cos(atan 0.4)) deep.
+  NurbsSurface tent;
+  tent.degree = {1, 1};
+  tent.count = {3, 2};
+  tent.knots = {std::vector<double>{0, 0, 1, 2, 2}, uniform_knots(2, 1)};
+  for (const Vec3& p : {Vec3(0, 0, 0), Vec3(10, 0, 4), Vec3(20, 0, 0)})
+    for (const double y : {0.0, 20.0}) tent.points.push_back(p + Vec3(0, y, 0));
+  tent.weights.assign(6, 1.0);
+  ToolPathJob job;
+  job.along_v = false;
+  const auto across = make_tool_path(NearestPoint(tent), job);
+  const auto* fault = std::get_if<ToolPathFault>(&across);
+  ASSERT_TRUE(fault);
+  EXPECT_EQ(fault->kind, ToolPathFault::Kind::gouge);
+  EXPECT_NEAR(fault->point.x(), 10, 0.01);
+  EXPECT_NEAR(fault->value, 3 * (1 - 1 / std::sqrt(1.16)), 5 * um);
+  // Along the ridge, lifted between, nothing goes across it.
+  job.along_v = true;
+  job.zigzag = false;
+  EXPECT_GT(path_of(tent, job).passes.size(), 20u);
+}
+
 TEST(ToolPath, FaultsAreNamed) {
   const auto kind_of = [](const NurbsSurface& surface, const ToolPathJob& job) {
     const auto made = make_tool_path(NearestPoint(surface), job);
@@ -130,7 +153,8 @@ TEST(WriteToolPath, ProgramsSpeakTheControlsLanguage) {
   const auto program = write_program(path, text, control);
   ASSERT_TRUE(program);
   EXPECT_EQ(*program,
-            "%\n(plate  one , ball of 3 mm)\nG21 G90 G94 G54\nG0 X0.0000 Y0.0000 Z5.0000\nG1 Z0.0000 "
+            "%\n(plate  one , ball of 3 mm)\n(switch on spindle and coolant before)\nG21 G90 G94 G54\nG0 "
+            "X0.0000 Y0.0000 Z5.0000\nG1 Z0.0000 "
             "F1000.0\nG1 Y4.0000\n"
             "G1 X5.0000\nG1 Y0.0000\nG1 X10.0000\nG1 Y4.0000\nG0 Z5.0000\nM2\n%\n");
   EXPECT_EQ(write_cl(path, text).substr(0, 120),

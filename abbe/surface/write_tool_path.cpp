@@ -90,7 +90,9 @@ std::optional<std::string> write_program(const ToolPath& path, const ToolPathTex
   if (!rapid || !line || !metric || !absolute || !minute || !end) return std::nullopt;
   const double safe = safe_height(path, text);
   std::string out = profile.text.percent ? "%\n" : "";
-  if (profile.text.parentheses) out += fmt::format("({}, ball of {} mm)\n", plain(text.name), text.radius);
+  if (profile.text.parentheses)
+    out += fmt::format("({}, ball of {} mm)\n(switch on spindle and coolant before)\n", plain(text.name),
+                       text.radius);
   const auto offset = code_of(profile, Meaning::work_offset, 1);
   out += fmt::format("{} {} {}{}\n", *metric, *absolute, *minute, offset ? " " + *offset : "");
   const auto length = code_of(profile, Meaning::tool_length), change = code_of(profile, Meaning::tool_change);

@@ -18,12 +18,15 @@ struct ToolPathText {
 };
 
 /// The path as CL data (APT): UNITS, CUTTER, FEDRAT, RAPID and GOTO of the tip, part coordinates, six
-/// decimals. laws     WhatIsWrittenIsReadAsCl (tests/cli)
+/// decimals.
+/// laws     Parts.ClDataOfAPathAreRead (tests/cli)
 [[nodiscard]] std::string write_cl(const ToolPath& path, const ToolPathText& text);
 
-/// The path as a program of G0 and G1 in the first work offset, with the codes and digits of the control.
+/// The path as a program of G0 and G1 in the first work offset, with the codes and digits of the control. It
+/// does not switch spindle or coolant, and says so in a comment.
 /// errors   nullopt: the profile has no code for one of rapid, line, mm, absolute, feed per minute, program
-/// end laws     TheTipIsThatOfThePath (within half of the last digit)
+///          end; or, to load a tool, for tool change or tool length
+/// laws     ProgramsSpeakTheControlsLanguage
 [[nodiscard]] std::optional<std::string> write_program(const ToolPath& path, const ToolPathText& text,
                                                        const Profile& profile);
 

@@ -47,6 +47,11 @@ void probe(const InspectArguments& arguments, const NearestPoint& nominal,
   }
 }
 
+/// A part of which no point counts has not passed.
+bool passes(const Inspection& inspection, std::size_t above) {
+  return above == 0 && inspection.figures.count > 0;
+}
+
 std::string text_of(const InspectArguments& arguments, const Inspection& inspection, std::size_t above) {
   std::string text = fmt::format("{} against {}\n", arguments.points, arguments.surface);
   if (fit_of(arguments.fit) == BestFit::none) {
@@ -66,7 +71,7 @@ std::string text_of(const InspectArguments& arguments, const Inspection& inspect
     text += fmt::format("  {} points beside the patch do not count\n", inspection.figures.beside);
   if (arguments.limit_um)
     text += fmt::format("  {} points beyond +-{} um: {}\n", above, *arguments.limit_um,
-                        above == 0 ? "pass" : "fail");
+                        passes(inspection, above) ? "pass" : "fail");
   return text;
 }
 
@@ -83,7 +88,7 @@ std::string json_of(const InspectArguments& arguments, const Inspection& inspect
       .member("seed", arguments.seed)
       .end();
   write_figures(json, inspection.figures);
-  if (arguments.limit_um) json.member("pass", above == 0);
+  if (arguments.limit_um) json.member("pass", passes(inspection, above));
   json.key("points").begin_array();
   for (const InspectedPoint& point : inspection.points) {
     json.begin_object(JsonWriter::Layout::one_line);
@@ -142,7 +147,7 @@ void run_inspect(const InspectArguments& arguments, Session& session) {
   if (!write_outputs({{"--svg", arguments.svg, svg}, {"--csv", arguments.csv, csv}},
                      {arguments.surface, arguments.points}, session))
     return;
-  if (session.strict && above > 0) session.note(Exit::warnings);
+  if (session.strict && arguments.limit_um && !passes(inspection, above)) session.note(Exit::warnings);
   session.out.write(arguments.json ? json_of(arguments, inspection, above)
                                    : text_of(arguments, inspection, above));
 }
@@ -160,9 +165,11 @@ Verb inspect_verb(CLI::App& program, Session& session) {
       ->type_name("FILE");
   verb->add_option("--columns", arguments->columns.measured, "names of the columns of measured x, y, z")
       ->capture_default_str();
-  verb->add_option("--target-columns", arguments->columns.target,
-                   "names of the columns of nominal x, y, z; the file may lack them")
-      ->capture_default_str();
+  const CLI::Option* const target =
+      verb->add_option(
+              "--target-columns", arguments->columns.target,
+              "names of the columns of nominal x, y, z; without the option the file may lack xn, yn, zn")
+          ->capture_default_str();
   verb->add_option("--fit", arguments->fit, "best fit of the points to the surface")
       ->check(CLI::IsMember({"none", "shift", "rigid"}))
       ->capture_default_str();
@@ -182,7 +189,10 @@ Verb inspect_verb(CLI::App& program, Session& session) {
   verb->add_option("--csv", arguments->csv, "every point with its deviation (CSV)")->type_name("FILE");
   verb->add_flag("--json", arguments->json, "JSON on standard output");
   verb->add_flag("--strict", session.strict, "warnings and points beyond the limit end with exit code 4");
-  return {verb, [arguments, &session] { run_inspect(*arguments, session); }};
+  return {verb, [arguments, target, &session] {
+            arguments->columns.target_needed = target->count() > 0;
+            run_inspect(*arguments, session);
+          }};
 }
 
 }  // namespace abbe::app

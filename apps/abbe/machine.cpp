@@ -160,6 +160,9 @@ void warn(const MachineArguments& arguments, const MachineAnswer& answer, Sessio
   if (gouged)
     warning("W-PART-GOUGE", fmt::format("points are cut {} mm deep or deeper", arguments.reach),
             "deeper is not looked at", "check offset, cutter and surface, or a larger --reach-mm");
+  if (answer.program.beyond_travel)
+    warning("W-PART-TRAVEL", "the program leaves the travels of the machine",
+            "no part would come out, and errors are not known there", "check offset and start");
   if (answer.program.outside)
     warning("W-PART-VOLUME", "the program leaves the volume in which the errors are known",
             "errors were held at their ends", "measure a larger volume");

@@ -108,12 +108,14 @@ std::optional<std::vector<TouchedPoint>> load_points(const std::string& path, co
   }
   CsvReader& csv = std::get<CsvReader>(opened);
   std::vector<TouchedPoint> points;
-  std::string missing, ignored;
+  std::string missing, no_target;
   const auto measured = csv.failed() ? std::nullopt : find_columns(csv.header(), columns.measured, missing);
-  const auto target = find_columns(csv.header(), columns.target, ignored);
-  if (!csv.failed() && !measured) {
-    Diagnostic error = csv.error_at_line("E-COLUMN", fmt::format("no column '{}'", missing));
-    error.fix = "a header row with x,y,z in mm, or --columns with the names of three columns";
+  const auto target = find_columns(csv.header(), columns.target, no_target);
+  if (!csv.failed() && (!measured || (columns.target_needed && !target))) {
+    Diagnostic error =
+        csv.error_at_line("E-COLUMN", fmt::format("no column '{}'", measured ? no_target : missing));
+    error.fix = measured ? "--target-columns with the names of three columns"
+                         : "a header row with x,y,z in mm, or --columns with the names of three columns";
     session.report(error);
     return std::nullopt;
   }

@@ -29,7 +29,8 @@ struct GridSize {
 /// Names of the columns of a table of points, as typed.
 struct PointColumns {
   std::string measured = "x,y,z";   ///< where the point is
-  std::string target = "xn,yn,zn";  ///< where it should be; the file may lack them
+  std::string target = "xn,yn,zn";  ///< where it should be; the file may lack them ..
+  bool target_needed = false;       ///< .. unless they were asked for
 };
 
 /// Points of a CSV file, mm. `nominal` finds the place of the targets. nullopt after reporting.

@@ -38,7 +38,8 @@ FaultWords words_of(ToolPathFault::Kind kind) {
     case ToolPathFault::Kind::undercut:
       return {"E-PATH-UNDERCUT", "turn the part, or correct `outward` in the surface file"};
     case ToolPathFault::Kind::gouge:
-      return {"E-PATH-GOUGE", "a smaller cutter, or a part of the surface"};
+      return {"E-PATH-GOUGE",
+              "a smaller cutter, a part of the surface, or passes along the crease with --one-way"};
     case ToolPathFault::Kind::endless:
     case ToolPathFault::Kind::stopped:
       break;
@@ -118,8 +119,9 @@ void run_toolpath(ToolpathArguments arguments, Session& session) {
   const auto program = arguments.program.empty() ? std::optional<std::string>("")
                                                  : write_program(path, arguments.text, *profile);
   if (!program) {
-    session.report(
-        option_error("--dialect", "this control has no code for a plain motion in mm", "another profile"));
+    session.report(option_error("--dialect",
+                                "this control has no code for plain motions in mm, or for --tool with G43 H",
+                                "another profile, or no --tool"));
     return;
   }
   const std::string cl = arguments.cl.empty() ? "" : write_cl(path, arguments.text);

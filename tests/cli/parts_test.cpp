@@ -160,6 +160,39 @@ TEST_F(Parts, PointsOfAMeasuringMachineAreRead) {
   EXPECT_EQ(run({"inspect", part, points, "--columns", "mx,my,mz", "--limit-um", "5", "--strict"}).exit, 4);
 }
 
+TEST_F(Parts, PointsBesideThePatchDoNotPass) {
+  const std::string part = folder_.put("part.toml", kPlane),
+                    far = folder_.put("far.csv", "x,y,z\n200,200,3\n");
+  const ProgramRun is = run({"inspect", part, far, "--limit-um", "5", "--json"});
+  ASSERT_EQ(is.exit, 0) << is.err;
+  EXPECT_FALSE(json::parse(is.out)["pass"]);
+  EXPECT_THAT(run({"inspect", part, far, "--limit-um", "5"}).out, HasSubstr("fail"));
+}
+
+TEST_F(Parts, WhatTheMachineCannotDoIsSaid) {
+  cut(kPlane, "");
+  const auto warned = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"machine",
+                                   folder_ / "mill.toml",
+                                   folder_ / "part.ngc",
+                                   "--surface",
+                                   folder_ / "part.toml",
+                                   "--start",
+                                   "X0,Y0,Z0",
+                                   "--strict"};
+    words.insert(words.end(), more.begin(), more.end());
+    return code(words, 4);
+  };
+  EXPECT_EQ(warned({"--offset", "G54=X0,Y0,Z-200", "--cutter", "ball:1", "--reach-mm", "0.01"}),
+            "W-PART-UNCUT");
+  EXPECT_EQ(warned({"--offset", "G54=X0,Y0,Z-200", "--cutter", "flat:6", "--reach-mm", "0.01"}),
+            "W-PART-GOUGE");
+  std::string small = kMill;
+  small.replace(small.find("[axis.Y]"), 8, "[axis.Y]\nrange = [-5, 5]");
+  folder_.put("mill.toml", small);
+  EXPECT_EQ(warned({"--offset", "G54=X0,Y0,Z-200"}), "W-PART-TRAVEL");
+}
+
 TEST_F(Parts, ClDataOfAPathAreRead) {
   cut(kPlane, "");
   const ProgramRun is = run({"compensate", folder_ / "mill.toml", folder_ / "part.cls", "-o",
@@ -189,6 +222,8 @@ TEST_F(Parts, MistakesAreNamed) {
            3),
       "E-AXIS");
   EXPECT_EQ(code({"inspect", part, folder_.put("p.csv", "a,b,c\n1,2,3\n")}), "E-COLUMN");
+  EXPECT_EQ(code({"inspect", part, folder_.put("p2.csv", "x,y,z\n1,2,3\n"), "--target-columns", "a,b,c"}),
+            "E-COLUMN");
   EXPECT_EQ(code({"inspect", part, folder_.put("q.csv", "x,y,z\n1,,3\n")}), "E-CELL");
   EXPECT_EQ(code({"inspect", part, folder_.put("r.csv", "x,y,z\n")}), "E-CSV");
   EXPECT_EQ(code({"inspect", part, folder_.put("s.csv", "x,y,z\n90,9,1\n10,5,2\n"), "--strict"}, 4),
