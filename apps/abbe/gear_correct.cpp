@@ -176,12 +176,15 @@ std::string json_of(const CorrectAnswer& answer) {
 
 bool is_usable(const PoseEstimate& estimate, const std::string& file, Session& session) {
   if (estimate.status == PoseEstimate::Status::ok && estimate.rank > 0) return true;
+  const bool few = estimate.status == PoseEstimate::Status::few_points;
   Diagnostic error;
   error.code = "E-GEAR-POINTS";
   error.place.file = file;
-  error.message = "no point of this file is on a flank of the gear, or they say nothing";
+  error.message = few ? "the points are too few to tell how uncertain they are"
+                      : "no point of this file is on a flank of the gear, or they say nothing";
   error.why = "poses are found from deviations along profiles and helices";
-  error.fix = "roll_mm is the roll length, z_mm the height above the middle of the face";
+  error.fix = few ? "--sigma-um, or whole profiles and helices of several teeth"
+                  : "roll_mm is the roll length, z_mm the height above the middle of the face";
   session.report(error);
   return false;
 }
