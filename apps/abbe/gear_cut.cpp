@@ -117,6 +117,7 @@ std::string text_of(const CutAnswer& answer) {
                       answer.loaded.setting.machine.name, answer.loaded.setting.machine.chain,
                       answer.loaded.motion.gaps(), seconds, answer.arguments.correction);
   text += text_of_figures(job, answer.figures, answer.arguments.teeth);
+  if (answer.cut.outside) text += "\nextrapolated: errors held beyond their last value\n";
   if (answer.second_order)
     text += fmt::format("\nproducts of errors, neglected above: {} um at most where looked at\n",
                         um_text(*answer.second_order, 3));
@@ -167,6 +168,19 @@ void warn(const CutAnswer& answer, Session& session) {
             "figures are of first order in the errors; check the units of the errors");
 }
 
+/// False after reporting that corrected commands would rest on errors nobody has measured.
+bool within_calibration(const GearCutArguments& arguments, const MachineCut& cut, Session& session) {
+  if (!cut.outside || correction_of(arguments.correction) == CutCorrection::none) return true;
+  Diagnostic error;
+  error.code = "E-VOL";
+  error.place.file = arguments.machine.common.machine;
+  error.message = "the cut leaves the volume, or the temperatures, in which the errors are known";
+  error.why = "an error was held at the end of its table, where nobody has measured";
+  error.fix = "another place of the gear, or measure a larger volume";
+  session.report(error, Exit::outside);
+  return false;
+}
+
 void run_gear_cut(const GearCutArguments& arguments, Session& session) {
   const std::optional<GearOnMachine> loaded = load_gear_on_machine(arguments.machine, session);
   if (!loaded || !teeth_exist(arguments, loaded->gear.job, session)) return;
@@ -179,6 +193,7 @@ void run_gear_cut(const GearCutArguments& arguments, Session& session) {
   auto made = cut_on_machine(loaded->setting.machine, loaded->gear.job, loaded->gear.wheel, loaded->motion,
                              options, bar.callback());
   if (!std::holds_alternative<MachineCut>(made) || std::get<MachineCut>(made).stopped) return;
+  if (!within_calibration(arguments, std::get<MachineCut>(made), session)) return;
   CutAnswer answer{*loaded, arguments, std::get<MachineCut>(std::move(made)), {}, {}};
   answer.figures = inspection->figures(answer.cut.deviations);
   answer.second_order = second_order(loaded->gear.job.gear, loaded->gear.wheel, answer.cut.deviations);

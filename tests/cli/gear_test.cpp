@@ -95,6 +95,19 @@ TEST_F(GearVerb, CorrectionAndCourse) {
   EXPECT_THAT(run({"cut", "mill.toml", "gear.toml", "--course", "bad.csv"}).err, HasSubstr("E-GEAR-COURSE"));
 }
 
+TEST_F(GearVerb, NothingIsCorrectedByErrorsNobodyMeasured) {
+  folder_.put("narrow.toml",
+              "format = 1\n[machine]\nchain = \"w C b X Z S t\"\n[axis.C]\ndirection = [0, 0, 1]\n"
+              "errors_seen = \"body\"\n[tool]\naxis = [0, 1, 0]\n[errors]\nEXZ = { table = [[-20, 1], [20, "
+              "3]] }\n");
+  EXPECT_THAT(run({"cut", "narrow.toml", "gear.toml"}).out, HasSubstr("extrapolated"));
+  const ProgramRun corrected =
+      run({"cut", "narrow.toml", "gear.toml", "--correct", "flank", "--motions", "m.csv"});
+  EXPECT_EQ(corrected.exit, 5);
+  EXPECT_THAT(corrected.err, HasSubstr("E-VOL"));
+  EXPECT_EQ(text_of("m.csv"), "");
+}
+
 TEST_F(GearVerb, SensitivityNamesWhatMakesWhat) {
   const json given = answer({"sensitivity", "mill.toml", "gear.toml", "--set", "T1=20"});
   ASSERT_EQ(given["rows"].size(), 4U);
