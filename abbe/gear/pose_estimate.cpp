@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kInvisible = 1e-7;     // singular value, of the largest
 constexpr double kHardlyTold = 5 * um;  // standard uncertainty of a combination that is left at zero
+constexpr double kBeyond = 0.01;  // of a flank's length and width: so far beyond its ends a point counts
 using Row = Eigen::Matrix<double, 1, kPoseUnknowns>;
 
 /// A point as an equation: row . unknowns = value. Rotations count as displacements at the reference radius.
@@ -36,9 +37,11 @@ Eigen::Matrix<double, 6, kPoseUnknowns> effects_at(const GearJob& job, const Whe
 
 std::optional<Equation> equation_of(const GearJob& job, const WheelInGap& wheel,
                                     const WheelDeviations& nothing, const MeasuredFlankPoint& point) {
-  const bool exists = point.tooth >= 1 && point.tooth <= job.gear.spec.teeth &&
-                      std::isfinite(point.deviation) && std::abs(point.z) <= job.gear.spec.face_width &&
-                      point.roll > 0 && point.roll <= 1.1 * job.gear.tip_roll;
+  const Gear& gear = job.gear;
+  const double beyond = kBeyond * (gear.tip_roll - gear.form_roll);
+  const bool exists = point.tooth >= 1 && point.tooth <= gear.spec.teeth && std::isfinite(point.deviation) &&
+                      std::abs(point.z) <= (0.5 + kBeyond) * gear.spec.face_width &&
+                      point.roll >= gear.form_roll - beyond && point.roll <= gear.tip_roll + beyond;
   if (!exists) return std::nullopt;
   const std::optional<WheelContact> contact = wheel_contact(job.gear, wheel, point.flank, point.roll);
   if (!contact) return std::nullopt;

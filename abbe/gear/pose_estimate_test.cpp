@@ -142,6 +142,11 @@ TEST(EstimatePose, NoiseDoesNotMoveTheWheel) {
     EXPECT_LT(largest_of(setup, deviations_of(setup.job, setup.wheel, estimate.value, stroke, 17), none),
               0.05);
   }
+  // What lies below the form diameter or beyond the face is no flank.
+  const std::size_t on_flank = points.size();
+  points.push_back({1, Flank::right, 0.9 * setup.job.gear.form_roll, 0, 1, -1});
+  points.push_back({1, Flank::right, setup.job.gear.reference_roll, 31, 1, -1});
+  EXPECT_EQ(estimate_pose(setup.job, setup.wheel, points, 0).points, on_flank);
   points.resize(5);
   EXPECT_EQ(estimate_pose(setup.job, setup.wheel, points, 0).status, PoseEstimate::Status::few_points);
 }

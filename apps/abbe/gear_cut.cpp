@@ -18,7 +18,6 @@ namespace abbe::app {
 namespace {
 
 constexpr double kClTolerance = 0.5 * um;
-constexpr double kMuchSecondOrder = 1 * um;
 constexpr std::size_t kEveryPoint = 5;  // of the traces is written with --points
 
 struct GearCutArguments {
@@ -147,25 +146,19 @@ std::string json_of(const CutAnswer& answer) {
 }
 
 void warn(const CutAnswer& answer, Session& session) {
-  const auto warning = [&](const char* code, std::string message, std::string fix) {
-    Diagnostic diagnostic;
-    diagnostic.severity = Severity::warning;
-    diagnostic.code = code;
-    diagnostic.place.file = answer.arguments.machine.common.machine;
-    diagnostic.message = std::move(message);
-    diagnostic.fix = std::move(fix);
-    session.report(diagnostic);
-  };
-  if (answer.cut.partial + answer.cut.failed > 0)
-    warning(
-        "W-GEAR-PARTIAL",
-        fmt::format(
-            "at {} of {} places the axes cannot restore the wheel's position, at {} no correction was found",
-            answer.cut.partial, answer.cut.commands.size(), answer.cut.failed),
-        "--correct flank makes the best of the axes there are");
-  if (!answer.second_order || *answer.second_order > kMuchSecondOrder)
-    warning("W-GEAR-LARGE", "the errors are so large that their products matter",
-            "figures are of first order in the errors; check the units of the errors");
+  const std::string& machine = answer.arguments.machine.common.machine;
+  if (answer.cut.partial + answer.cut.failed > 0) {
+    Diagnostic partial;
+    partial.severity = Severity::warning;
+    partial.code = "W-GEAR-PARTIAL";
+    partial.place.file = machine;
+    partial.message = fmt::format(
+        "at {} of {} places the axes cannot restore the wheel's position, at {} no correction was found",
+        answer.cut.partial, answer.cut.commands.size(), answer.cut.failed);
+    partial.fix = "--correct flank makes the best of the axes there are";
+    session.report(partial);
+  }
+  report_second_order(answer.second_order, machine, session);
 }
 
 /// False after reporting that corrected commands would rest on errors nobody has measured.
