@@ -51,7 +51,6 @@ struct MachineCut {
   bool stopped = false;                ///< by `progress`; the rest is then empty
   std::size_t partial = 0;             ///< places where an axis was missing for part of the position
   std::size_t failed = 0;              ///< places without a correction: nominal commands
-  double largest_correction = 0;       ///< mm or rad, of any axis
 };
 
 /// Sends the motion through a machine with errors, at the temperatures of each moment.
