@@ -32,12 +32,13 @@ struct FlankPoint {
 
 /// With s = +1 (right) or -1 (left), phi = xi + eta - inv alpha_t, in the transverse plane turned by kappa z:
 ///
-///     P = r_b (cos phi + xi sin phi, s (sin phi - xi cos phi)),   t = (sin phi, -s cos phi) theory/gears.md
-///     (4) design point = P + m t,   m = modification;   normal = the cross product of its two derivatives
+///     P = r_b (cos phi + xi sin phi, s (sin phi - xi cos phi)),   t = (sin phi, -s cos phi)
+///     design point = P + m t,   m = modification;   normal = the cross product of its two derivatives
 ///
 /// z       from the middle of the face
 /// laws    NormalIsAcrossTheSurface, RadiusFollowsTheRoll, LeftIsRightTurnedOver
 /// cost    two sines
+/// source  docs/theory/gears.md, (4)
 [[nodiscard]] FlankPoint flank_point(const Gear& gear, Flank flank, double roll, double z, Modified modified);
 
 }  // namespace abbe

@@ -20,7 +20,7 @@ struct EvaluationSpec {
 /// Deviations along a trace, mm, + = excess material.
 ///
 ///     mean line a + s x by least squares over the evaluation length L;   slope f_H = s L
-///     total F = max f - min f,   form f_f = max (f - a - s x) - min (f - a - s x) theory/gears.md (12)
+///     total F = max f - min f,   form f_f = max (f - a - s x) - min (f - a - s x)
 ///
 /// A profile's slope is positive with more material towards the tip, a helix's towards +z.
 struct TraceFigures {

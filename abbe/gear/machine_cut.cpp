@@ -2,7 +2,6 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
 
@@ -187,8 +186,6 @@ std::variant<MachineCut, MissingSensors> cut_on_machine(const Machine& machine, 
       const AxisCommands q = cutter.commands(plans.plan(), sent, place, known, cut);
       cut.deviations.of(gap, node) = place.deviation(q, cut.outside);
       cut.commands.push_back(q);
-      for (std::size_t i = 0; i < q.size(); ++i)
-        cut.largest_correction = std::max(cut.largest_correction, std::abs(q[i] - nominal.q[i]));
     }
     if (progress && !progress(gap + 1, motion.gaps())) {
       MachineCut stopped;

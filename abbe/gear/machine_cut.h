@@ -51,19 +51,18 @@ struct MachineCut {
   bool stopped = false;                ///< by `progress`; the rest is then empty
   std::size_t partial = 0;             ///< places where an axis was missing for part of the position
   std::size_t failed = 0;              ///< places without a correction: nominal commands
-  double largest_correction = 0;       ///< mm or rad, of any axis
 };
 
 /// Sends the motion through a machine with errors, at the temperatures of each moment.
 ///
 ///     d = p_actual(q') - p_nominal(q),   [e]x = antisymmetric part of R_actual(q') R_nominal(q)^T
-///     flank: dq = - argmin over both flanks |W ((d, e) + J dq)|                              theory/gears.md
-///     (13)
+///     flank: dq = argmin over both flanks |W ((d, e) + J dq)|
 ///
 /// errors   MissingSensors
 /// laws     NominalMachineHasNoDeviation, PoseCorrectionRemovesEverything, FlankCorrectionIsNeverWorse
 /// cost     two poses per gap and node, with a correction some ten; one plan per place where a sensor changes
-/// with time source   docs/theory/gears.md, section 5
+///          with time
+/// source   docs/theory/gears.md, section 5 and (13)
 [[nodiscard]] std::variant<MachineCut, MissingSensors> cut_on_machine(
     const Machine& machine, const GearJob& job, const WheelInGap& wheel, const CuttingMotion& motion,
     const CutOptions& options, const Progress& progress = {});

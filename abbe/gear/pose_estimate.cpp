@@ -9,7 +9,9 @@
 namespace abbe {
 namespace {
 
-constexpr double kInvisible = 1e-7;  // singular value, of the largest
+constexpr double kInvisible = 1e-7;     // singular value, of the largest
+constexpr double kHardlyTold = 5 * um;  // standard uncertainty of a combination that is left at zero
+constexpr double kBeyond = 0.01;  // of a flank's length and width: so far beyond its ends a point counts
 using Row = Eigen::Matrix<double, 1, kPoseUnknowns>;
 
 /// A point as an equation: row . unknowns = value. Rotations count as displacements at the reference radius.
@@ -35,9 +37,11 @@ Eigen::Matrix<double, 6, kPoseUnknowns> effects_at(const GearJob& job, const Whe
 
 std::optional<Equation> equation_of(const GearJob& job, const WheelInGap& wheel,
                                     const WheelDeviations& nothing, const MeasuredFlankPoint& point) {
-  const bool exists = point.tooth >= 1 && point.tooth <= job.gear.spec.teeth &&
-                      std::isfinite(point.deviation) && std::abs(point.z) <= job.gear.spec.face_width &&
-                      point.roll > 0 && point.roll <= 1.1 * job.gear.tip_roll;
+  const Gear& gear = job.gear;
+  const double beyond = kBeyond * (gear.tip_roll - gear.form_roll);
+  const bool exists = point.tooth >= 1 && point.tooth <= gear.spec.teeth && std::isfinite(point.deviation) &&
+                      std::abs(point.z) <= (0.5 + kBeyond) * gear.spec.face_width &&
+                      point.roll >= gear.form_roll - beyond && point.roll <= gear.tip_roll + beyond;
   if (!exists) return std::nullopt;
   const std::optional<WheelContact> contact = wheel_contact(job.gear, wheel, point.flank, point.roll);
   if (!contact) return std::nullopt;
@@ -50,8 +54,9 @@ std::optional<Equation> equation_of(const GearJob& job, const WheelInGap& wheel,
   return equation;
 }
 
-/// Takes the mean of every trace off its equations: what is left does not know the trace's offset.
-void remove_offsets(std::vector<Equation>& equations) {
+/// Takes the mean of every trace off its equations: what is left does not know the trace's offset. Returns
+/// the number of traces.
+std::size_t remove_offsets(std::vector<Equation>& equations) {
   struct Mean {
     Row row = Row::Zero();
     double value = 0, count = 0;
@@ -70,6 +75,21 @@ void remove_offsets(std::vector<Equation>& equations) {
     equation.row -= mean.row / mean.count;
     equation.value -= mean.value / mean.count;
   }
+  return means.size();
+}
+
+/// Of an equation; nullopt: neither stated nor told by what is left over.
+std::optional<double> variance_of(const LeastSquaresSolution& all, double sigma, std::size_t offsets) {
+  if (sigma > 0) return sigma * sigma;
+  const Eigen::Index freedom = all.freedom() - static_cast<Eigen::Index>(offsets);
+  if (freedom <= 0) return std::nullopt;
+  return all.sum_of_squares / static_cast<double>(freedom);
+}
+
+/// Of singular values: a combination's uncertainty is the root of the variance over its singular value.
+double tolerance_for(const LeastSquaresSolution& all, double variance) {
+  const double largest = all.singular_values[0];
+  return largest > 0 ? std::max(kInvisible, std::sqrt(variance) / (kHardlyTold * largest)) : kInvisible;
 }
 
 double unit_of(const GearJob& job, std::size_t unknown) {
@@ -101,18 +121,24 @@ PoseEstimate estimate_pose(const GearJob& job, const WheelInGap& wheel,
     out.status = PoseEstimate::Status::no_points;
     return out;
   }
-  remove_offsets(equations);
+  const std::size_t offsets = remove_offsets(equations);
   TriangularFactor factor(kPoseUnknowns);
   for (const Equation& equation : equations) {
     const Eigen::Matrix<double, kPoseUnknowns, 1> row = equation.row;
     factor.add(std::span<const double>(row.data(), kPoseUnknowns), equation.value);
   }
-  const LeastSquaresSolution solution = solve(factor, {kInvisible, false});
-  if (!solution.ok()) {
+  const LeastSquaresSolution all = solve(factor, {kInvisible, false});
+  if (!all.ok()) {
     out.status = PoseEstimate::Status::failed;
     return out;
   }
-  fill(job, solution, sigma > 0 ? sigma * sigma : solution.variance(), out);
+  const std::optional<double> variance = variance_of(all, sigma, offsets);
+  if (!variance) {
+    out.status = PoseEstimate::Status::few_points;
+    return out;
+  }
+  const LeastSquaresSolution solution = solve(factor, {tolerance_for(all, *variance), false});
+  fill(job, solution, *variance, out);
   for (const Equation& equation : equations) {
     const double rest = equation.value - (equation.row * solution.x)(0);
     out.rms_before += equation.value * equation.value;

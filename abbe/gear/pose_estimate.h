@@ -23,8 +23,9 @@ struct MeasuredFlankPoint {
 struct PoseEstimate {
   enum class Status {
     ok,
-    no_points,  ///< none, or none on the flank
-    failed,     ///< the numbers overflow
+    no_points,   ///< none, or none on the flank
+    few_points,  ///< too few to tell their uncertainty, which is not stated either
+    failed,      ///< the numbers overflow
   } status = Status::ok;
   PoseValues value{};        ///< mm and rad, of least norm among those that explain the flanks alike
   PoseValues uncertainty{};  ///< standard, of the determined part
@@ -36,12 +37,16 @@ struct PoseEstimate {
 };
 
 /// Least squares of the 24 deviations by (8) of theory/gears.md. What the process itself leaves (crowning) is
-/// taken off first. Combinations that no flank shows, such as the wheel along a spur gap, are left at zero.
+/// taken off first. Combinations that no flank shows, such as the wheel along a spur gap, are left at zero,
+/// and so are those whose standard uncertainty is above 5 um (rotations at the reference radius): the noise
+/// of one tooth must not displace the wheel on all others.
 ///
 /// sigma    standard uncertainty of a point, mm; 0: from the residuals
 /// errors   Status; points off the flank (roll angle without a contact) or with a tooth that is not there are
-/// left out laws     HiddenDeviationsAreFound, OffsetsOfTracesDoNotMatter, TheRankIsStated cost     one row
-/// of 24 per point source   docs/theory/gears.md, section 7
+/// left out
+/// laws     HiddenDeviationsAreFound, OffsetsOfTracesDoNotMatter, TheRankIsStated, NoiseDoesNotMoveTheWheel
+/// cost     one row of 24 per point
+/// source   docs/theory/gears.md, section 7
 [[nodiscard]] PoseEstimate estimate_pose(const GearJob& job, const WheelInGap& wheel,
                                          const std::vector<MeasuredFlankPoint>& points, double sigma);
 

@@ -88,7 +88,7 @@ TEST(EstimatePose, HiddenDeviationsAreFound) {
     const Stroke stroke = stroke_of(setup.job, setup.wheel);
     const WheelDeviations truth = deviations_of(setup.job, setup.wheel, hidden(), stroke, 17);
     const PoseEstimate estimate =
-        estimate_pose(setup.job, setup.wheel, measured(setup, truth, {1, 12, 20, 31}), 0.5 * um);
+        estimate_pose(setup.job, setup.wheel, measured(setup, truth, {1, 12, 20, 31}), 0);
     ASSERT_EQ(estimate.status, PoseEstimate::Status::ok);
     EXPECT_GT(estimate.rms_before, 3 * um);
     EXPECT_LT(estimate.rms_after, kInterpolation);
@@ -122,6 +122,33 @@ TEST(EstimatePose, TheRankIsStated) {
                           {{95, Flank::right, 0.3, 0, 0, -1}, {1, Flank::left, -3, 0, 0, -1}}, 0)
                 .status,
             PoseEstimate::Status::no_points);
+}
+
+TEST(EstimatePose, NoiseDoesNotMoveTheWheel) {
+  // One tooth does not tell where the gear stands: without a limit half a micrometre of noise on it becomes
+  // millimetres on the other side of the gear.
+  const GearSetup setup(test::helical_spec());
+  const Stroke stroke = stroke_of(setup.job, setup.wheel);
+  const WheelDeviations truth = deviations_of(setup.job, setup.wheel, hidden(), stroke, 17);
+  const WheelDeviations none(stroke.low, stroke.high, 17, 41);
+  std::vector<MeasuredFlankPoint> points = measured(setup, truth, {1});
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> noise(0, 0.5 * um);
+  for (MeasuredFlankPoint& point : points) point.deviation += noise(random);
+  for (const double sigma : {0.0, 0.5 * um}) {
+    const PoseEstimate estimate = estimate_pose(setup.job, setup.wheel, points, sigma);
+    ASSERT_EQ(estimate.status, PoseEstimate::Status::ok);
+    EXPECT_LT(estimate.rms_after, 0.7 * um);
+    EXPECT_LT(largest_of(setup, deviations_of(setup.job, setup.wheel, estimate.value, stroke, 17), none),
+              0.05);
+  }
+  // What lies below the form diameter or beyond the face is no flank.
+  const std::size_t on_flank = points.size();
+  points.push_back({1, Flank::right, 0.9 * setup.job.gear.form_roll, 0, 1, -1});
+  points.push_back({1, Flank::right, setup.job.gear.reference_roll, 31, 1, -1});
+  EXPECT_EQ(estimate_pose(setup.job, setup.wheel, points, 0).points, on_flank);
+  points.resize(5);
+  EXPECT_EQ(estimate_pose(setup.job, setup.wheel, points, 0).status, PoseEstimate::Status::few_points);
 }
 
 TEST(EstimatePose, OffsetsOfTracesDoNotMatter) {

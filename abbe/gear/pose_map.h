@@ -21,7 +21,7 @@ using PoseValues = std::array<double, kPoseUnknowns>;  ///< mm and rad
 
 /// Gear static, gear motion, wheel static, wheel motion; of each x y z a b c.
 [[nodiscard]] PoseUnknown pose_unknown(std::size_t index);
-/// "gear_static_x", as columns of `abbe cl-correct` are named without their unit.
+/// "gear_static_x", "wheel_motion_c".
 [[nodiscard]] std::string name_of(const PoseUnknown& unknown);
 
 /// The deviation of the wheel against the gear that these make at a place, in workpiece axes:

@@ -42,7 +42,8 @@ struct SensitivityUnits {
                                                            const SensitivityUnits& units);
 
 /// Of one unit of every error that the chain can have (components and location errors of all axes, mounting
-/// of tool and work), in the first-order model. cost   one cut per error
+/// of tool and work), in the first-order model.
+/// cost   one cut per error
 [[nodiscard]] std::vector<SensitivityRow> machine_sensitivity(
     const Machine& machine, const GearJob& job, const WheelInGap& wheel, const CuttingMotion& motion,
     const GearInspection& inspection, const SensitivityUnits& units, const Progress& progress = {});

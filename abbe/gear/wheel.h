@@ -69,8 +69,7 @@ struct WheelProblem {
 ///
 /// rolls    increasing, from the form to the tip roll; the form and the tip are always looked at
 /// errors   a WheelProblem; a profile that is not single-valued (|w| or rho not monotonic) is `mesh`, and so
-/// is a
-///          body of the wheel that reaches into a tooth anywhere around its axis
+///          is a body of the wheel that reaches into a tooth anywhere around its axis
 /// laws     SpurContactIsThePlaneOfTheWheel, NormalsMeetTheAxis, AWheelCutsWhatItWasMadeFor,
 ///          TurningAboutItsAxisDoesNothing
 /// cost     a few flank points per roll angle

@@ -48,7 +48,7 @@ struct NodeWeights {
 
 /// Deviation of the flank from its design, transverse along the base tangent, mm, + = excess material:
 ///
-///     f(xi, z) = W(xi) . (d, e)(t) + W_x(xi) c(t) - m(z),   t = z - z_contact(xi) theory/gears.md (8)
+///     f(xi, z) = W(xi) . (d, e)(t) + W_x(xi) c(t) - m(z),   t = z - z_contact(xi)
 ///
 /// first order in the deviations (cut_exactly of exact_cut.h is not); c is the infeed that crowns the face
 /// and m what the design wants of it: across the profile the two differ even without errors.
@@ -61,8 +61,8 @@ struct NodeWeights {
                                      const WheelContact& contact, double z);
 
 /// The deviations of all flanks: of every gap both flanks (right first), of each the rolls of the wheel's
-/// contacts, of each the heights z. Empty if `progress` stopped it. cost     about 10 ns per point and core;
-/// 8 bytes per point
+/// contacts, of each the heights z. Empty if `progress` stopped it.
+/// cost     about 10 ns per point and core; 8 bytes per point
 [[nodiscard]] std::vector<double> flank_field(const Gear& gear, const WheelInGap& wheel,
                                               const WheelDeviations& deviations, const std::vector<double>& z,
                                               const Progress& progress = {});

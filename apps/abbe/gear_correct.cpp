@@ -7,6 +7,7 @@
 
 #include "abbe/core/number.h"
 #include "abbe/core/units.h"
+#include "abbe/gear/exact_cut.h"
 #include "abbe/gear/gear_cl.h"
 #include "abbe/gear/pose_estimate.h"
 #include "csv.h"
@@ -32,7 +33,8 @@ struct CorrectAnswer {
   const GearOnMachine& loaded;
   const GearCorrectArguments& arguments;
   PoseEstimate estimate;
-  bool by_poses = true;       ///< false: an axis is missing, so the axes do what they can for the flanks
+  std::size_t left_out = 0;   ///< points that are not on the flank
+  bool by_poses = true;       ///< false: an axis or its travel is missing, the axes do what they can
   GearFigures before, after;  ///< of the machine file: nominal poses, corrected poses
 };
 
@@ -115,6 +117,9 @@ std::string text_of(const CorrectAnswer& answer) {
       fmt::format("{} points; rank {} of {}; rms {} um measured, {} um not explained, {} um at most\n",
                   estimate.points, estimate.rank, kPoseUnknowns, um_text(estimate.rms_before),
                   um_text(estimate.rms_after, 3), um_text(estimate.largest_after, 3));
+  if (answer.left_out > 0)
+    text +=
+        fmt::format("{} points left out: not between form and tip, or beyond the face\n", answer.left_out);
   text += "deviations told by the flanks one by one:\n";
   std::string others;
   for (std::size_t i = 0; i < kPoseUnknowns; ++i) {
@@ -137,7 +142,9 @@ std::string text_of(const CorrectAnswer& answer) {
     text += fmt::format("{:<13}{:>10}{:>12}\n", before[i].name, um_text(before[i].value),
                         um_text(after[i].value));
   if (!answer.by_poses)
-    text += "an axis is missing for the corrected poses: the others leave the least they can on the flanks\n";
+    text +=
+        "an axis, or its travel, is missing for the corrected poses: the axes leave the least they can on "
+        "the flanks\n";
   text += answer.arguments.cut_with == "none"
               ? "send what is corrected without compensation: machine errors are in what was measured\n"
               : "send what is corrected with the compensation that the measured gear was cut with\n";
@@ -149,7 +156,9 @@ std::string json_of(const CorrectAnswer& answer) {
   json.begin_object();
   write_preamble(json, "gear correct", answer.loaded.setting.machine);
   const PoseEstimate& estimate = answer.estimate;
-  json.member("points", static_cast<std::uint64_t>(estimate.points)).member("rank", estimate.rank);
+  json.member("points", static_cast<std::uint64_t>(estimate.points))
+      .member("left_out", static_cast<std::uint64_t>(answer.left_out))
+      .member("rank", estimate.rank);
   json.member("rms_measured_um", estimate.rms_before / um).member("rms_left_um", estimate.rms_after / um);
   json.member("largest_left_um", estimate.largest_after / um)
       .member("cut_with", answer.arguments.cut_with)
@@ -176,12 +185,15 @@ std::string json_of(const CorrectAnswer& answer) {
 
 bool is_usable(const PoseEstimate& estimate, const std::string& file, Session& session) {
   if (estimate.status == PoseEstimate::Status::ok && estimate.rank > 0) return true;
+  const bool few = estimate.status == PoseEstimate::Status::few_points;
   Diagnostic error;
   error.code = "E-GEAR-POINTS";
   error.place.file = file;
-  error.message = "no point of this file is on a flank of the gear, or they say nothing";
+  error.message = few ? "the points are too few to tell how uncertain they are"
+                      : "no point of this file is on a flank of the gear, or they say nothing";
   error.why = "poses are found from deviations along profiles and helices";
-  error.fix = "roll_mm is the roll length, z_mm the height above the middle of the face";
+  error.fix = few ? "--sigma-um, or whole profiles and helices of several teeth"
+                  : "roll_mm is the roll length, z_mm the height above the middle of the face";
   session.report(error);
   return false;
 }
@@ -205,12 +217,10 @@ std::optional<std::vector<AxisCommands>> commands_by_poses(const GearOnMachine& 
 }
 
 /// Axis commands that leave the least of these deviations on the flanks.
-std::vector<AxisCommands> commands_by_axes(const GearOnMachine& loaded, const PoseValues& values,
+std::vector<AxisCommands> commands_by_axes(const GearOnMachine& loaded, const WheelDeviations& known,
                                            AxisSet free) {
   Machine ideal = loaded.setting.machine;
   ideal.errors.clear();
-  const WheelDeviations known =
-      deviations_of(loaded.gear.job, loaded.gear.wheel, values, loaded.motion.stroke, loaded.motion.nodes);
   CutOptions options;
   options.correction = CutCorrection::flank;
   options.free = free;
@@ -228,9 +238,13 @@ void run_gear_correct(const GearCorrectArguments& arguments, Session& session) {
   if (!points) return;
   const auto inspection = GearInspection::make(job.gear, wheel, job.evaluation);
   if (!inspection) return;
-  CorrectAnswer answer{*loaded, arguments, estimate_pose(job, wheel, *points, arguments.sigma_um * um),
-                       true,    {},        {}};
+  CorrectAnswer answer{
+      *loaded, arguments, estimate_pose(job, wheel, *points, arguments.sigma_um * um), 0, true, {}, {}};
   if (!is_usable(answer.estimate, arguments.measured, session)) return;
+  answer.left_out = points->size() - answer.estimate.points;
+  const WheelDeviations known =
+      deviations_of(job, wheel, answer.estimate.value, loaded->motion.stroke, loaded->motion.nodes);
+  report_second_order(second_order(job.gear, wheel, known), arguments.measured, session);
   const PoseChange change = [&](std::size_t gap, double height, const TipAndAxis& nominal) {
     return pose_corrected_for(job, wheel, answer.estimate.value, gap, height, nominal);
   };
@@ -242,13 +256,14 @@ void run_gear_correct(const GearCorrectArguments& arguments, Session& session) {
   if (arguments.cut_with == "pose") options.correction = CutCorrection::pose;
   const std::optional<std::vector<AxisCommands>> by_poses = commands_by_poses(*loaded, change);
   if (!by_poses && !arguments.output.empty()) {
-    session.report(option_error("--output", "this machine lacks an axis that the corrected poses need",
+    session.report(option_error("--output",
+                                "this machine lacks an axis, or the travel, that the corrected poses need",
                                 "--motions: the axis commands that leave the least on the flanks"));
     return;
   }
   answer.by_poses = by_poses.has_value();
   const std::vector<AxisCommands> sent =
-      by_poses ? *by_poses : commands_by_axes(*loaded, answer.estimate.value, options.free);
+      by_poses ? *by_poses : commands_by_axes(*loaded, known, options.free);
   const std::optional<GearFigures> before = figures_with(*loaded, *inspection, options);
   options.sent = &sent;
   const std::optional<GearFigures> after = figures_with(*loaded, *inspection, options);

@@ -18,7 +18,6 @@ namespace abbe::app {
 namespace {
 
 constexpr double kClTolerance = 0.5 * um;
-constexpr double kMuchSecondOrder = 1 * um;
 constexpr std::size_t kEveryPoint = 5;  // of the traces is written with --points
 
 struct GearCutArguments {
@@ -117,6 +116,7 @@ std::string text_of(const CutAnswer& answer) {
                       answer.loaded.setting.machine.name, answer.loaded.setting.machine.chain,
                       answer.loaded.motion.gaps(), seconds, answer.arguments.correction);
   text += text_of_figures(job, answer.figures, answer.arguments.teeth);
+  if (answer.cut.outside) text += "\nextrapolated: errors held beyond their last value\n";
   if (answer.second_order)
     text += fmt::format("\nproducts of errors, neglected above: {} um at most where looked at\n",
                         um_text(*answer.second_order, 3));
@@ -146,25 +146,32 @@ std::string json_of(const CutAnswer& answer) {
 }
 
 void warn(const CutAnswer& answer, Session& session) {
-  const auto warning = [&](const char* code, std::string message, std::string fix) {
-    Diagnostic diagnostic;
-    diagnostic.severity = Severity::warning;
-    diagnostic.code = code;
-    diagnostic.place.file = answer.arguments.machine.common.machine;
-    diagnostic.message = std::move(message);
-    diagnostic.fix = std::move(fix);
-    session.report(diagnostic);
-  };
-  if (answer.cut.partial + answer.cut.failed > 0)
-    warning(
-        "W-GEAR-PARTIAL",
-        fmt::format(
-            "at {} of {} places the axes cannot restore the wheel's position, at {} no correction was found",
-            answer.cut.partial, answer.cut.commands.size(), answer.cut.failed),
-        "--correct flank makes the best of the axes there are");
-  if (!answer.second_order || *answer.second_order > kMuchSecondOrder)
-    warning("W-GEAR-LARGE", "the errors are so large that their products matter",
-            "figures are of first order in the errors; check the units of the errors");
+  const std::string& machine = answer.arguments.machine.common.machine;
+  if (answer.cut.partial + answer.cut.failed > 0) {
+    Diagnostic partial;
+    partial.severity = Severity::warning;
+    partial.code = "W-GEAR-PARTIAL";
+    partial.place.file = machine;
+    partial.message = fmt::format(
+        "at {} of {} places the axes cannot restore the wheel's position, at {} no correction was found",
+        answer.cut.partial, answer.cut.commands.size(), answer.cut.failed);
+    partial.fix = "--correct flank makes the best of the axes there are";
+    session.report(partial);
+  }
+  report_second_order(answer.second_order, machine, session);
+}
+
+/// False after reporting that corrected commands would rest on errors nobody has measured.
+bool within_calibration(const GearCutArguments& arguments, const MachineCut& cut, Session& session) {
+  if (!cut.outside || correction_of(arguments.correction) == CutCorrection::none) return true;
+  Diagnostic error;
+  error.code = "E-VOL";
+  error.place.file = arguments.machine.common.machine;
+  error.message = "the cut leaves the volume, or the temperatures, in which the errors are known";
+  error.why = "an error was held at the end of its table, where nobody has measured";
+  error.fix = "another place of the gear, or measure a larger volume";
+  session.report(error, Exit::outside);
+  return false;
 }
 
 void run_gear_cut(const GearCutArguments& arguments, Session& session) {
@@ -179,6 +186,7 @@ void run_gear_cut(const GearCutArguments& arguments, Session& session) {
   auto made = cut_on_machine(loaded->setting.machine, loaded->gear.job, loaded->gear.wheel, loaded->motion,
                              options, bar.callback());
   if (!std::holds_alternative<MachineCut>(made) || std::get<MachineCut>(made).stopped) return;
+  if (!within_calibration(arguments, std::get<MachineCut>(made), session)) return;
   CutAnswer answer{*loaded, arguments, std::get<MachineCut>(std::move(made)), {}, {}};
   answer.figures = inspection->figures(answer.cut.deviations);
   answer.second_order = second_order(loaded->gear.job.gear, loaded->gear.wheel, answer.cut.deviations);

@@ -5,11 +5,14 @@
 #include <variant>
 
 #include "abbe/core/number.h"
+#include "abbe/core/units.h"
 #include "abbe/evaluate/measured_table.h"
 #include "pose_source.h"
 
 namespace abbe::app {
 namespace {
+
+constexpr double kMuchSecondOrder = 1 * um;
 
 Diagnostic course_error(const std::string& file, std::string message, std::string fix) {
   Diagnostic error;
@@ -75,6 +78,17 @@ void report_cutting(const CuttingProblem& problem, const GearMachineArguments& a
   error.fix = axes ? "a machine that turns the gear and, for helical gears, swivels the wheel"
                    : "another wheel, [cutting] middle, or --near";
   session.report(error, axes ? Exit::invalid : Exit::outside);
+}
+
+void report_second_order(const std::optional<double>& neglected, const std::string& file, Session& session) {
+  if (neglected && *neglected <= kMuchSecondOrder) return;
+  Diagnostic warning;
+  warning.severity = Severity::warning;
+  warning.code = "W-GEAR-LARGE";
+  warning.place.file = file;
+  warning.message = "the errors are so large that their products matter";
+  warning.fix = "figures are of first order in the errors; check the units of the errors";
+  session.report(warning);
 }
 
 void add_gear_machine_options(CLI::App& command, GearMachineArguments& arguments, Session& session) {

@@ -37,6 +37,9 @@ struct GearOnMachine {
 /// E-GEAR-AXES or E-TRAVEL.
 void report_cutting(const CuttingProblem& problem, const GearMachineArguments& arguments, Session& session);
 
+/// W-GEAR-LARGE where what first order neglects (second_order of exact_cut.h) is much, or cannot be computed.
+void report_second_order(const std::optional<double>& neglected, const std::string& file, Session& session);
+
 /// Commands of every gap and place as CSV: heights above the middle of the face, seconds, axes in the machine
 /// file's units.
 [[nodiscard]] std::string motions_csv(const GearOnMachine& loaded, const std::vector<AxisCommands>& commands);

@@ -95,6 +95,19 @@ TEST_F(GearVerb, CorrectionAndCourse) {
   EXPECT_THAT(run({"cut", "mill.toml", "gear.toml", "--course", "bad.csv"}).err, HasSubstr("E-GEAR-COURSE"));
 }
 
+TEST_F(GearVerb, NothingIsCorrectedByErrorsNobodyMeasured) {
+  folder_.put("narrow.toml",
+              "format = 1\n[machine]\nchain = \"w C b X Z S t\"\n[axis.C]\ndirection = [0, 0, 1]\n"
+              "errors_seen = \"body\"\n[tool]\naxis = [0, 1, 0]\n[errors]\nEXZ = { table = [[-20, 1], [20, "
+              "3]] }\n");
+  EXPECT_THAT(run({"cut", "narrow.toml", "gear.toml"}).out, HasSubstr("extrapolated"));
+  const ProgramRun corrected =
+      run({"cut", "narrow.toml", "gear.toml", "--correct", "flank", "--motions", "m.csv"});
+  EXPECT_EQ(corrected.exit, 5);
+  EXPECT_THAT(corrected.err, HasSubstr("E-VOL"));
+  EXPECT_EQ(text_of("m.csv"), "");
+}
+
 TEST_F(GearVerb, SensitivityNamesWhatMakesWhat) {
   const json given = answer({"sensitivity", "mill.toml", "gear.toml", "--set", "T1=20"});
   ASSERT_EQ(given["rows"].size(), 4U);
@@ -114,12 +127,27 @@ TEST_F(GearVerb, CorrectFindsThePosesBehindTheFlanks) {
   EXPECT_LT(found["rms_left_um"], 0.001);
   EXPECT_LT(found["rank"], 24);
   EXPECT_EQ(found["by_poses"], false);  // no axis along y
+  EXPECT_EQ(found["left_out"], 0);
   EXPECT_GT(found["before"]["F_p_um"], 20);
   EXPECT_LT(found["after"]["F_p_um"], 0.05);
   EXPECT_LT(found["after"]["F_beta_um"], 0.05);
   EXPECT_EQ(
       run({"correct", "mill.toml", "gear.toml", "--set", "T1=20", "--measured", "p.csv", "-o", "o.cls"}).exit,
       2);
+}
+
+TEST_F(GearVerb, WhatCannotBeMeantIsTold) {
+  // Millimetres where micrometres are meant, and a point that is not on the flank.
+  folder_.put("large.csv",
+              "tooth,flank,roll_mm,z_mm,deviation_um\n1,right,193,0,5000\n1,left,193,0,5000\n1,left,9,0,1\n");
+  const ProgramRun done = run(
+      {"correct", "mill.toml", "gear.toml", "--set", "T1=20", "--measured", "large.csv", "--sigma-um", "1"});
+  EXPECT_EQ(done.exit, 0);
+  EXPECT_THAT(done.err, HasSubstr("W-GEAR-LARGE"));
+  EXPECT_THAT(done.out, HasSubstr("1 points left out"));
+  // Two points leave nothing over.
+  EXPECT_THAT(run({"correct", "mill.toml", "gear.toml", "--set", "T1=20", "--measured", "large.csv"}).err,
+              HasSubstr("E-GEAR-POINTS"));
 }
 
 TEST_F(GearVerb, WrongInputIsNamed) {
