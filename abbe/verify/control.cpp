@@ -332,7 +332,8 @@ bool Control::modes() {
 bool Control::tool_offset(int code) {
   const Block& b = *block_;
   Letters words = 0;
-  if (profile_.tools.moves && (!b.has('Z') || incremental_ || b.g_code(3) == 910)) {
+  const bool incremental = b.g_code(3) >= 0 ? b.g_code(3) == 910 : incremental_;
+  if (profile_.tools.moves && (!b.has('Z') || incremental)) {
     constexpr Axes z = 4;  // parameters say whether the axis moves at once
     m_.known &= ~z;
     m_.at[2] = 0;
