@@ -330,6 +330,15 @@ TEST(Siemens, ToolsHaveNamesAndEdges) {
 
 TEST(Siemens, MachineCoordinatesNeedNoOffset) {
   EXPECT_EQ(siemens("G71 G90 T2 M6\nD1\nG0 X100 Y0 Z0\nG0 SUPA Z200 D0\nM30\n"),
+TEST(Siemens, AToolThatIsNotKnownIsRefused) {
+  for (const char* tool : {"T=\"MILL 11\"", "T1.5", "T-1"}) {
+    const auto result =
+        rewrite(scaled_machine(), std::string("G71 G90 G54\n") + tool + "\nM30\n", siemens_job());
+    EXPECT_FALSE(result.report.complete) << tool;
+    EXPECT_TRUE(result.has("E-TOOL")) << tool;
+  }
+}
+
             "G71 G90 T2 M6\nD1\nG0 X99.9950 Y0 Z0\nG0 SUPA Z200 D0\nM30\n");
   EXPECT_TRUE(rewrite(scaled_machine(), "G71 G90 T2 M6\nD1\nG0 X100 Y0 Z0\nSUPA Z200\nM30\n", siemens_job())
                   .has("E-G53"));

@@ -58,7 +58,12 @@ bool Rewriter::settings() {
   }
   if (const Word* t = instruction_.find(*block_, 'T')) {
     selected_tool_ = tool_number(*t);
-    if (!selected_tool_) return false;
+    if (!selected_tool_) {
+      refuse(*t, "E-TOOL", "the tool is no whole number, and its name is not in the tool table",
+             "the tool in the spindle is not known otherwise",
+             "correct it, or put name=\"..\" behind ; in its line of the tool table (--tools)");
+      return false;
+    }
   }
   if (instruction_.set_tool) {
     const auto number = whole(instruction_.find(*block_, 'Q'));
@@ -102,7 +107,7 @@ bool Rewriter::settings() {
   return instruction_.rotation < 0 || turn_frame();
 }
 
-// A number, or the name of a tool of the table. Nothing: refused.
+// A number, or the name of a tool of the table. Nothing: to be refused.
 std::optional<int> Rewriter::tool_number(const Word& word) const {
   const std::string_view said =
       block_->text.substr(word.number, static_cast<std::size_t>(word.end - word.number));
