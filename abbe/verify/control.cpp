@@ -217,7 +217,8 @@ bool Control::settings() {
   }
   const bool dwells_by_f = b.g_code(0) == 40 && (b.g_words[0] & letter_bit('F')) != 0;
   if (!dwells_by_f && !feed_words()) return false;
-  if (b.has('S')) {
+  const bool dwells_by_s = b.g_code(0) == 40 && (b.g_words[0] & letter_bit('S')) != 0;
+  if (b.has('S') && !dwells_by_s) {
     if (!use('S')) return false;
     add(EventKind::speed, 0, letter_bit('S'));
   }

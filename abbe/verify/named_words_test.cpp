@@ -25,6 +25,7 @@ const char* const kProgram =
     "G1 Z10 F500\n"
     "G2 X30 CR=12\n"
     "G4 F2\n"
+    "G4 S30\n"
     "TRANS X10 Y=5\n"
     "G1 X40\n"
     "AROT RPL=30\n"
@@ -86,6 +87,7 @@ TEST(NamedWords, WhateverChangesIsFound) {
                                                                     {"CR=12", "CR=-12"},
                                                                     {"G2", "G3"},
                                                                     {"G4 F2", "G4 F3"},
+                                                                    {"G4 S30", "G4 S31"},
                                                                     {"Y=5", "Y=6"},
                                                                     {"TRANS", "ATRANS"},
                                                                     {"RPL=30", "RPL=31"},
