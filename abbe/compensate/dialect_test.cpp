@@ -383,8 +383,8 @@ TEST(Subprograms, WhatIsNotSureIsRefused) {
        {"M98 P2\nM98 P2\nM30\nO2\nX1.\nM99\n", "M98 P2 L2\nM30\nO2\nX1.\nM99\n",
         "M98 P20002\nM30\nO2\nX1.\nM99\n", "M98 P3\nM30\nO2\nX1.\nM99\n", "M98 P2 X1.\nM30\nO2\nX1.\nM99\n",
         "M98 P2\nM30\nO2\nX1.\n", "M98 P2\nM30\nO2\nX1.\nM30\nM99\n", "M98 P2\nM30\nO2 X1.\nM99\n", "M99\n",
-        "M98 P2\nM30\nO2\nM99\nO2\nM99\n", "M98 P2\nM30\nO2\nM98 P2\nM99\n", "M98 P2\nM30\nO2\nM99 P10\n",
-        "M98 P2 M30\nO2\nX1.\nM99\n"})
+        "M98 P2\nM30\nO2\nM99\nO2\nM99\n", "M98 P2\nM30\n%\nO2\nX1.\nM99\n", "M98 P2\nM30\nO2\nM98 P2\nM99\n",
+        "M98 P2\nM30\nO2\nM99 P10\n", "M98 P2 M30\nO2\nX1.\nM99\n"})
     EXPECT_THAT(code_of(rest), ::testing::AnyOf("E-OWORD", "E-WORD", "E-AUX")) << rest;
 }
 
