@@ -116,11 +116,13 @@ void read_states(const TomlNode& root, Profile& profile, Findings& findings) {
   start.choice("units", {"mm", "inch", "stated"}, profile.start.units);
   start.choice("distance", {"absolute", "incremental", "stated"}, profile.start.distance);
   start.choice("retract", "r", "initial", profile.start.retract_to_r);
-  const Section offsets(root, "offsets", {"fixed", "further", "l20", "p0", "keeps_shift"}, findings);
+  const Section offsets(root, "offsets", {"fixed", "further", "l20", "p0", "keeps_shift", "increments"},
+                        findings);
   offsets.whole("further", profile.offsets.further, 0, kMostFurtherOffsets);
   offsets.whole("fixed", profile.offsets.fixed, 1, kFixedOffsets);
   offsets.flag("keeps_shift", profile.offsets.keeps_shift);
   offsets.choice("l20", "reads", "further", profile.offsets.l20_reads);
+  offsets.choice("increments", "place", "unsure", profile.offsets.increments_sure);
   offsets.choice("p0", "active", "external", profile.offsets.p0_active);
   const Section motion(root, "motion", {"home_beside_motion", "rapid_straight", "rotary_feed"}, findings);
   motion.flag("home_beside_motion", profile.home_beside_motion);

@@ -314,8 +314,10 @@ bool Control::modes() {
     if (!profile_.offsets.keeps_shift && frames_.g92 != Vec3::Zero())
       return refuse(b.g_column[12], "E-FRAME", "another work offset while a shift of the program is in force",
                     "it is not defined whether the shift stays", "end the shift first");
+    const Vec3 zero = zero_of(frames_);
     frames_.active = index;
     u_ = program_of(frames_, m_);
+    move_zero(zero);
     add(EventKind::g_code, 540, code == Block::kFurtherOffset ? letter_bit('P') : 0).sets_frames = true;
   }
   if (const int code = b.g_code(11); code >= 0) turn(code);
