@@ -227,6 +227,7 @@ struct Profile {
   struct Start {
     Units units = Units::metric;
     Distance distance = Distance::absolute;
+    bool first_offset = true;  ///< G54 is chosen; false: nothing is assumed (E-START)
     bool retract_to_r = true;  ///< G99
   } start;
 

@@ -63,7 +63,6 @@ TEST(NamedWords, TheSameProgramAgrees) {
   EXPECT_GT(report.events, 15U);
 }
 
-TEST(NamedWords, OtherSpellingsOfANumberAgree) {
 // D with Z in G90: the axis goes to its new place at once, whatever mode was in force before.
 TEST(NamedWords, AnOffsetTakesTheModeOfItsBlock) {
   const std::string program = changed("G4 F2", "G91\nG90 G1 D0 Z10\nG1 X31\nD1 Z10");
@@ -71,6 +70,7 @@ TEST(NamedWords, AnOffsetTakesTheModeOfItsBlock) {
   EXPECT_TRUE(report.agrees) << texts(report);
 }
 
+TEST(NamedWords, OtherSpellingsOfANumberAgree) {
   EXPECT_TRUE(compared(changed("X=10", "X10.0")).agrees);
   EXPECT_TRUE(compared(changed("CR=12", "CR = +12.00")).agrees);
 }
