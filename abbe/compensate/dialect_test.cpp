@@ -291,15 +291,15 @@ std::string siemens(const std::string& program) {
 }
 
 TEST(Siemens, NumbersAreReplacedWhereTheyStand) {
-  EXPECT_EQ(siemens("G71 G90 D0\nG0 X = 100 Y=0 Z0 ; c\nM30\n"),
-            "G71 G90 D0\nG0 X = 99.9950 Y=0 Z0 ; c\nM30\n");
-  EXPECT_EQ(siemens("G700 G90 D0\nG0 X=4 Y0 Z0\nM30\n"), "G700 G90 D0\nG0 X=3.99980 Y0 Z0\nM30\n")
+  EXPECT_EQ(siemens("G71 G90 G54 D0\nG0 X = 100 Y=0 Z0 ; c\nM30\n"),
+            "G71 G90 G54 D0\nG0 X = 99.9950 Y=0 Z0 ; c\nM30\n");
+  EXPECT_EQ(siemens("G700 G90 G54 D0\nG0 X=4 Y0 Z0\nM30\n"), "G700 G90 G54 D0\nG0 X=3.99980 Y0 Z0\nM30\n")
       << "0.0002 inch are 5.08 um";
 }
 
 TEST(Siemens, ARadiusWithANameIsKeptOrBecomesACentre) {
   // X is scaled by 5e-5: the half circle about (110, 0) stays one within 0.25 um
-  const std::string text = siemens("G71 G90 D0\nG0 X100 Y0 Z0\nG2 X120 Y0 CR=10 F500\nM30\n");
+  const std::string text = siemens("G71 G90 G54 D0\nG0 X100 Y0 Z0\nG2 X120 Y0 CR=10 F500\nM30\n");
   EXPECT_THAT(text, HasSubstr("G2 X119.9940 Y0"));
   EXPECT_THAT(text, ::testing::AnyOf(HasSubstr("CR=10"), HasSubstr("I9.99")));
   EXPECT_THAT(text, Not(HasSubstr("CI")));
@@ -308,38 +308,75 @@ TEST(Siemens, ARadiusWithANameIsKeptOrBecomesACentre) {
 TEST(Siemens, FramesOfWordsAreFollowed) {
   // TRANS X100: program X0 is 100 mm, where X goes 5 um too far
   EXPECT_EQ(
-      siemens("G71 G90 D0\nG0 X0 Y0 Z0\nTRANS X100\nG0 X0\nATRANS X=100\nG0 X0\nTRANS\nG0 X0\nM30\n"),
-      "G71 G90 D0\nG0 X0 Y0 Z0\nTRANS X100\nG0 X-0.0050\nATRANS X=100\nG0 X-0.0100\nTRANS\nG0 X0\nM30\n");
+      siemens("G71 G90 G54 D0\nG0 X0 Y0 Z0\nTRANS X100\nG0 X0\nATRANS X=100\nG0 X0\nTRANS\nG0 X0\nM30\n"),
+      "G71 G90 G54 D0\nG0 X0 Y0 Z0\nTRANS X100\nG0 X-0.0050\nATRANS X=100\nG0 X-0.0100\nTRANS\nG0 X0\nM30\n");
   // turned by 90 degrees about X100: program Y is machine -X from there
-  EXPECT_EQ(siemens("G71 G90 D0\nG0 X0 Y0 Z0\nTRANS X100\nAROT RPL=90\nG0 X0 Y-100\nROT\nG0 X0 Y0\nM30\n"),
-            "G71 G90 D0\nG0 X0 Y0 Z0\nTRANS X100\nAROT RPL=90\nG0 X0 Y-99.9900\nROT\nG0 X0 Y0\nM30\n");
-  EXPECT_EQ(siemens("G71 G90 D0\nG505 G0 X0 Y0 Z0\nM30\n"), "G71 G90 D0\nG505 G0 X-0.0050 Y0 Z0\nM30\n");
+  EXPECT_EQ(
+      siemens("G71 G90 G54 D0\nG0 X0 Y0 Z0\nTRANS X100\nAROT RPL=90\nG0 X0 Y-100\nROT\nG0 X0 Y0\nM30\n"),
+      "G71 G90 G54 D0\nG0 X0 Y0 Z0\nTRANS X100\nAROT RPL=90\nG0 X0 Y-99.9900\nROT\nG0 X0 Y0\nM30\n");
+  EXPECT_EQ(siemens("G71 G90 G54 D0\nG505 G0 X0 Y0 Z0\nM30\n"),
+            "G71 G90 G54 D0\nG505 G0 X-0.0050 Y0 Z0\nM30\n");
 }
 
 TEST(Siemens, ToolsHaveNamesAndEdges) {
   // the table's Z offset of MILL 10 is 80 mm: EXZ would show it, so the errors are of Z here
   const Machine leaning = three_axes({{"EXZ", poly(2, {0, 1e-4})}});
-  const std::string program = "G71 G90\nT=\"MILL 10\"\nM6\nD1\nG0 X0 Y0 Z0\nM30\n";
+  const std::string program = "G71 G90 G54\nT=\"MILL 10\"\nM6\nD1\nG0 X0 Y0 Z0\nM30\n";
   EXPECT_THAT(rewrite(leaning, program, siemens_job()).text, HasSubstr("G0 X-0.0080 Y0 Z0"));
-  EXPECT_TRUE(rewrite(leaning, "G71 G90\nT2 M6\nG0 X0 Y0 Z0\nM30\n", siemens_job()).has("E-TOOL"))
+  EXPECT_TRUE(rewrite(leaning, "G71 G90 G54\nT2 M6\nG0 X0 Y0 Z0\nM30\n", siemens_job()).has("E-TOOL"))
       << "D is missing";
-  EXPECT_TRUE(rewrite(leaning, "G71 G90\nT2 M6\nD2\nM30\n", siemens_job()).has("E-TOOL"));
-  EXPECT_TRUE(rewrite(leaning, "G71 G90\nT2 M6\nD1\nG18 G0 X0 Y0 Z0\nM30\n", siemens_job()).has("E-TOOL"))
+  EXPECT_TRUE(rewrite(leaning, "G71 G90 G54\nT2 M6\nD2\nM30\n", siemens_job()).has("E-TOOL"));
+  EXPECT_TRUE(rewrite(leaning, "G71 G90 G54\nT2 M6\nD1\nG18 G0 X0 Y0 Z0\nM30\n", siemens_job()).has("E-TOOL"))
       << "another axis";
 }
 
+TEST(Siemens, AToolThatIsNotKnownIsRefused) {
+  for (const char* tool : {"T=\"MILL 11\"", "T1.5", "T-1"}) {
+    const auto result =
+        rewrite(scaled_machine(), std::string("G71 G90 G54\n") + tool + "\nM30\n", siemens_job());
+    EXPECT_FALSE(result.report.complete) << tool;
+    EXPECT_TRUE(result.has("E-TOOL")) << tool;
+  }
+}
+
 TEST(Siemens, MachineCoordinatesNeedNoOffset) {
-  EXPECT_EQ(siemens("G71 G90 T2 M6\nD1\nG0 X100 Y0 Z0\nG0 SUPA Z200 D0\nM30\n"),
-            "G71 G90 T2 M6\nD1\nG0 X99.9950 Y0 Z0\nG0 SUPA Z200 D0\nM30\n");
-  EXPECT_TRUE(rewrite(scaled_machine(), "G71 G90 T2 M6\nD1\nG0 X100 Y0 Z0\nSUPA Z200\nM30\n", siemens_job())
-                  .has("E-G53"));
+  EXPECT_EQ(siemens("G71 G90 G54 T2 M6\nD1\nG0 X100 Y0 Z0\nG0 SUPA Z200 D0\nM30\n"),
+            "G71 G90 G54 T2 M6\nD1\nG0 X99.9950 Y0 Z0\nG0 SUPA Z200 D0\nM30\n");
+  EXPECT_TRUE(
+      rewrite(scaled_machine(), "G71 G90 G54 T2 M6\nD1\nG0 X100 Y0 Z0\nSUPA Z200\nM30\n", siemens_job())
+          .has("E-G53"));
 }
 
 TEST(Siemens, ADwellInFIsNoFeed) {
   RewriteJob job = siemens_job();
   const auto result =
-      rewrite(scaled_machine(), "G71 G90 D0\nG0 X0 Y0 Z0\nG1 X10 F500\nG4 F2\nX20\nM30\n", job);
+      rewrite(scaled_machine(), "G71 G90 G54 D0\nG0 X0 Y0 Z0\nG1 X10 F500\nG4 F2\nX20\nM30\n", job);
   EXPECT_TRUE(result.report.complete) << result.findings();
+}
+
+TEST(Siemens, TheWorkOffsetMustBeStated) {
+  const auto code_of = [](const std::string& program) {
+    const auto result = rewrite(scaled_machine(), program, siemens_job());
+    return result.report.complete ? std::string() : result.report.diagnostics.front().code;
+  };
+  EXPECT_EQ(code_of("G71 G90 D0\nG0 X0 Y0 Z0\nM30\n"), "E-START");
+  EXPECT_EQ(code_of("G71 G90 D0\nSUPA G0 Z0\nG54\nG0 X0 Y0 Z0\nM30\n"), "")
+      << "machine coordinates need none";
+  EXPECT_EQ(code_of("G71 G90 G505 D0\nG0 X0 Y0 Z0\nM30\n"), "");
+}
+
+TEST(Siemens, IncrementsBehindAMovedZeroAreRefused) {
+  const auto code_of = [](const std::string& rest) {
+    const auto result =
+        rewrite(scaled_machine(), "G71 G90 G54 D0\nG0 X0 Y0 Z0\n" + rest + "M30\n", siemens_job());
+    return result.report.complete ? std::string() : result.report.diagnostics.front().code;
+  };
+  for (const char* shift : {"G505\n", "TRANS X100\n", "SUPA X5\n", "TRANS X5\nG90 G0 X0\nTRANS\n"}) {
+    EXPECT_EQ(code_of(std::string(shift) + "G91 G1 X10 F500\n"), "E-POS") << shift;
+    EXPECT_EQ(code_of(std::string(shift) + "G90 G0 X0\nG91 G1 X10 F500\n"), "") << shift;
+    EXPECT_EQ(code_of(std::string(shift) + "G91 G0 Y10\n"), "") << shift << "the zero of Y stands";
+  }
+  EXPECT_EQ(code_of("G54\nG91 G1 X10 F500\n"), "") << "the same zero";
 }
 
 TEST(Subprograms, CalledOnceAreRewrittenWhereTheyStand) {
@@ -374,8 +411,8 @@ TEST(Subprograms, WhatIsNotSureIsRefused) {
        {"M98 P2\nM98 P2\nM30\nO2\nX1.\nM99\n", "M98 P2 L2\nM30\nO2\nX1.\nM99\n",
         "M98 P20002\nM30\nO2\nX1.\nM99\n", "M98 P3\nM30\nO2\nX1.\nM99\n", "M98 P2 X1.\nM30\nO2\nX1.\nM99\n",
         "M98 P2\nM30\nO2\nX1.\n", "M98 P2\nM30\nO2\nX1.\nM30\nM99\n", "M98 P2\nM30\nO2 X1.\nM99\n", "M99\n",
-        "M98 P2\nM30\nO2\nM99\nO2\nM99\n", "M98 P2\nM30\nO2\nM98 P2\nM99\n", "M98 P2\nM30\nO2\nM99 P10\n",
-        "M98 P2 M30\nO2\nX1.\nM99\n"})
+        "M98 P2\nM30\nO2\nM99\nO2\nM99\n", "M98 P2\nM30\n%\nO2\nX1.\nM99\n", "M98 P2\nM30\nO2\nM98 P2\nM99\n",
+        "M98 P2\nM30\nO2\nM99 P10\n", "M98 P2 M30\nO2\nX1.\nM99\n"})
     EXPECT_THAT(code_of(rest), ::testing::AnyOf("E-OWORD", "E-WORD", "E-AUX")) << rest;
 }
 

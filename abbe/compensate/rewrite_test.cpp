@@ -436,6 +436,16 @@ TEST(Rewrite, AnAxisThatMayNotBeCorrectedIsNotMoved) {
   EXPECT_FALSE(result.report.complete);
 }
 
+TEST(Rewrite, NoByteBehindTheEndIsLost) {
+  const std::string program = "G0 X0 Y0 Z0\nM2\n";
+  for (const std::size_t length : {1000U, 60000U}) {
+    const std::string behind = "(" + std::string(length, 'x') + "\n";
+    EXPECT_EQ(rewrite(three_axes({}), program + behind, plain_job()).text, program + behind);
+  }
+  // longer than what is read of a line
+  EXPECT_TRUE(rewrite(three_axes({}), program + std::string(70000, 'x'), plain_job()).has("E-LINELEN"));
+}
+
 TEST(Sensitivity, ToAnOffsetIsTheSlopeOfTheError) {
   const Machine machine = three_axes({{"EXX", poly(0, {0, 1e-4})}});
   const std::string program = "G0 X0 Y0 Z0\nG0 X100\nM2\n";

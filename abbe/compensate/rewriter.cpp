@@ -195,7 +195,7 @@ void Rewriter::look_ahead(std::size_t rows) {
 void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::string& out) {
   eol_ = block_->eol;
   if (file_eol_.empty()) file_eol_ = std::string(eol_);
-  if (ended_) return pass_behind_end(out);  // the control does not read on
+  if (ended_ && !too_long) return pass_behind_end(out);  // the control does not read on
   if (too_long || error) {
     findings_.add(
         error.value_or(BlockError{"E-LINELEN", kMaxBlockBytes, 1, "the line is longer than 64 KiB",

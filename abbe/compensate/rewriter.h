@@ -105,6 +105,7 @@ class Rewriter {
   bool set_g92();
   bool make_frame();
   bool choose_work_offset();
+  void note_shift(const Vec3& reading, const Turns& zeros);
   [[nodiscard]] std::optional<int> tool_number(const Word& word) const;
   bool turn_frame();
   bool set_work_offset();
@@ -241,6 +242,7 @@ class Rewriter {
   Side in_, out_;                      ///< the control of the original, of the output
   unsigned known_ = 0, withheld_ = 0;  ///< bits 0 1 2 = X Y Z, 3 4 5 = A B C
   unsigned needed_ = 7;                ///< axes whose position the correction depends on
+  unsigned shifted_ = 0;               ///< axes whose zero has moved since they were commanded, bits 0 to 5
   unsigned turned_ = 0;                ///< rotary axes that the program has commanded, bits 0 1 2 = A B C
   bool tcp_ = false;
   double timed_feed_ = 0;  ///< 1/min: the block's time is stated by G93 in its output; 0: not

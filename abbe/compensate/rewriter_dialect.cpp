@@ -127,12 +127,20 @@ bool Rewriter::may_move() {
     modal_.units_stated = modal_.distance_stated = modal_.stated = true;  // said once
     return false;
   }
+  if (in_work && !modal_.offset_stated && instruction_.zero != 530) {
+    refuse_block("E-START", "a motion before the program chooses a work offset",
+                 "which one is in force at the start depends on the control's settings",
+                 "write G54 at the top, or state start.offset in a profile of your own");
+    modal_.offset_stated = true;  // said once
+    modal_.stated = all_stated(modal_);
+    return false;
+  }
   if (in_work && !modal_.edge_stated) {
     refuse_block("E-TOOL", "a motion before D says which tool offset is in force",
                  "after a tool change and at the start it depends on the control's settings",
                  "write D1 with the tool, or D0");
     modal_.edge_stated = true;  // said once
-    modal_.stated = modal_.units_stated && modal_.distance_stated;
+    modal_.stated = all_stated(modal_);
     return false;
   }
   if (instruction_.tool_change && !profile_.tools.change_first) {

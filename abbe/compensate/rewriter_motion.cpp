@@ -48,6 +48,7 @@ bool Rewriter::read_move(Move& move) {
       return false;
     }
     move.known1 |= move.named;
+    if (!profile_.offsets.increments_sure) shifted_ |= move.named;
     return true;
   }
   const Frames& frames = in_.frames;
@@ -62,6 +63,13 @@ bool Rewriter::read_move(Move& move) {
     }
     return false;
   }
+  if (modal_.incremental && (move.named & shifted_) != 0) {
+    refuse_block("E-POS", "an increment of an axis whose zero has moved since it was commanded",
+                 "the control adds that shift to it, or does not, as a setting says",
+                 "command the axis in G90 first");
+    return false;
+  }
+  if (!modal_.incremental) shifted_ &= ~move.named;
   // Coordinates stay in registers: stored one by one and loaded together they would have to be waited for.
   const Vec3 p0 = frames.to_program(in_.m);
   const auto coordinate = [&](int k) {

@@ -12,6 +12,8 @@ namespace {
 
 // Longer moves are always looked into, mm.
 constexpr double kShort = 5;
+// Smaller changes of a reading are rounding of double arithmetic, mm.
+constexpr double kSameReading = 1e-9;
 
 std::optional<int> whole(const Word* word) {
   if (!word || word->value < 0 || word->value > 1e6 || word->value != std::floor(word->value))
@@ -58,7 +60,12 @@ bool Rewriter::settings() {
   }
   if (const Word* t = instruction_.find(*block_, 'T')) {
     selected_tool_ = tool_number(*t);
-    if (!selected_tool_) return false;
+    if (!selected_tool_) {
+      refuse(*t, "E-TOOL", "the tool is no whole number, and its name is not in the tool table",
+             "the tool in the spindle is not known otherwise",
+             "correct it, or put name=\"..\" behind ; in its line of the tool table (--tools)");
+      return false;
+    }
   }
   if (instruction_.set_tool) {
     const auto number = whole(instruction_.find(*block_, 'Q'));
@@ -102,7 +109,7 @@ bool Rewriter::settings() {
   return instruction_.rotation < 0 || turn_frame();
 }
 
-// A number, or the name of a tool of the table. Nothing: refused.
+// A number, or the name of a tool of the table. Nothing: to be refused.
 std::optional<int> Rewriter::tool_number(const Word& word) const {
   const std::string_view said =
       block_->text.substr(word.number, static_cast<std::size_t>(word.end - word.number));
@@ -116,10 +123,24 @@ bool Rewriter::choose_work_offset() {
                  "whether the shift outlives it is not sure", "end the shift before (TRANS)");
     return false;
   }
+  const Vec3 reading = in_.p();
+  const Turns zeros = in_.frames.turn_offset();
   in_.frames.select(instruction_.wcs);
   out_.frames.select(instruction_.wcs);
+  note_shift(reading, zeros);
   datum_dirty_ = true;
   return true;
+}
+
+// Which axes read something else than before without having moved: X Y Z `reading`, A B C zero at `zeros`.
+void Rewriter::note_shift(const Vec3& reading, const Turns& zeros) {
+  if (profile_.offsets.increments_sure) return;
+  const Vec3 shift = in_.p() - reading;
+  const Turns now = in_.frames.turn_offset();
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (std::abs(shift[static_cast<Eigen::Index>(k)]) > kSameReading) shifted_ |= 1u << k;
+    if (now[k] != zeros[k]) shifted_ |= 8u << k;
+  }
 }
 
 // TRANS and ROT replace what stands (alone they end it), ATRANS and AROT come on top: first the turn, then
@@ -134,6 +155,7 @@ bool Rewriter::make_frame() {
                  "write G17; set the offset without rotation");
     return false;
   }
+  const Vec3 reading = in_.p();
   for (auto* side : {&in_, &out_}) {
     Vec3 shift = anew ? Vec3::Zero() : side->frames.g92();
     for (int k = 0; k < 3; ++k) {
@@ -148,6 +170,7 @@ bool Rewriter::make_frame() {
     withheld_ &= ~3u;
     start_corrected_ = false;
   }
+  note_shift(reading, in_.frames.turn_offset());
   last_correction_.reset();
   return true;
 }

@@ -227,6 +227,7 @@ struct Profile {
   struct Start {
     Units units = Units::metric;
     Distance distance = Distance::absolute;
+    bool first_offset = true;  ///< G54 is chosen; false: nothing is assumed (E-START)
     bool retract_to_r = true;  ///< G99
   } start;
 
@@ -236,8 +237,10 @@ struct Profile {
     bool l20_reads =
         true;  ///< G10 L20 makes the present position read the values; false: it sets a further offset
     bool keeps_shift =
-        true;               ///< a shift of the program outlives the choice of another offset; false: refused
-    bool p0_active = true;  ///< G10 L2 P0 is the active one; false: the external offset, refused
+        true;  ///< a shift of the program outlives the choice of another offset; false: refused
+    bool increments_sure = true;  ///< G91 counts from where the axis stands when its zero has moved; false:
+                                  ///< the control may add the shift: refused
+    bool p0_active = true;        ///< G10 L2 P0 is the active one; false: the external offset, refused
   } offsets;
 
   /// A group-0 code that takes axis words may stand beside a motion code, which then only becomes the mode.

@@ -112,14 +112,17 @@ void read_states(const TomlNode& root, Profile& profile, Findings& findings) {
   tools.choice("edges", {"none", "tool", "table"}, profile.tools.edges);
   tools.flag("follows_plane", profile.tools.follows_plane);
   tools.flag("in_machine_coordinates", profile.tools.in_machine_coordinates);
-  const Section start(root, "start", {"units", "distance", "retract"}, findings);
+  const Section start(root, "start", {"units", "distance", "offset", "retract"}, findings);
   start.choice("units", {"mm", "inch", "stated"}, profile.start.units);
   start.choice("distance", {"absolute", "incremental", "stated"}, profile.start.distance);
+  start.choice("offset", "first", "stated", profile.start.first_offset);
   start.choice("retract", "r", "initial", profile.start.retract_to_r);
-  const Section offsets(root, "offsets", {"fixed", "further", "l20", "p0", "keeps_shift"}, findings);
+  const Section offsets(root, "offsets", {"fixed", "further", "l20", "p0", "keeps_shift", "increments"},
+                        findings);
   offsets.whole("further", profile.offsets.further, 0, kMostFurtherOffsets);
   offsets.whole("fixed", profile.offsets.fixed, 1, kFixedOffsets);
   offsets.flag("keeps_shift", profile.offsets.keeps_shift);
+  offsets.choice("increments", "place", "unsure", profile.offsets.increments_sure);
   offsets.choice("l20", "reads", "further", profile.offsets.l20_reads);
   offsets.choice("p0", "active", "external", profile.offsets.p0_active);
   const Section motion(root, "motion", {"home_beside_motion", "rapid_straight", "rotary_feed"}, findings);

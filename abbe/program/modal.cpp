@@ -355,6 +355,10 @@ bool acts_after_motion(const Profile& profile, const Word& word) {
   return use.after || use.meaning == Meaning::exact_stop_once;
 }
 
+bool all_stated(const ModalState& state) {
+  return state.units_stated && state.distance_stated && state.offset_stated && state.edge_stated;
+}
+
 ModalState start_of(const Profile& profile) {
   ModalState state;
   state.inch = profile.start.units == Profile::Units::imperial;
@@ -362,9 +366,10 @@ ModalState start_of(const Profile& profile) {
   state.retract_to_r = profile.start.retract_to_r;
   state.units_stated = profile.start.units != Profile::Units::stated;
   state.distance_stated = profile.start.distance != Profile::Distance::stated;
+  state.offset_stated = profile.start.first_offset;
   state.edges = profile.tools.edges != Profile::Tools::Edges::none;
   state.edge_stated = !state.edges;
-  state.stated = state.units_stated && state.distance_stated && state.edge_stated;
+  state.stated = all_stated(state);
   return state;
 }
 
@@ -534,7 +539,8 @@ void apply_modal(const Block& block, const Instruction& in, ModalState& state) {
   state.units_stated = state.units_stated || in.units >= 0;
   state.distance_stated = state.distance_stated || in.distance >= 0;
   if (state.edges) state.edge_stated = in.tool_length >= 0 || (state.edge_stated && !in.tool_change);
-  state.stated = state.units_stated && state.distance_stated && state.edge_stated;
+  state.offset_stated = state.offset_stated || in.wcs >= 0;
+  state.stated = all_stated(state);
   if (in.states_motion) {
     state.motion = in.motion;
     state.motion_words = in.motion_words;

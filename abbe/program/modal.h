@@ -43,6 +43,7 @@ struct ModalState {
   LetterSet motion_words = 0;    ///< letters that belong to the motion in force
   bool units_stated = true,
        distance_stated = true;  ///< false: the profile assumes nothing, and the program has said nothing
+  bool offset_stated = true;    ///< false: the profile assumes no work offset, and none has been chosen
   bool edges =
       false;  ///< the control wants the tool offset stated after M6 and at the start (Profile::Tools::edges)
   bool edge_stated = true;               ///< and it is
@@ -51,6 +52,8 @@ struct ModalState {
   [[nodiscard]] double unit() const { return inch ? 25.4 : 1.0; }
 };
 
+/// Nothing that a motion depends on is left to what ran before the program.
+[[nodiscard]] bool all_stated(const ModalState& state);
 /// What holds before the first block.
 [[nodiscard]] ModalState start_of(const Profile& profile);
 

@@ -20,9 +20,9 @@ int program_number(std::string_view line) {
              : static_cast<int>(number.value);
 }
 
-bool begins_another(std::string_view line) {
+char first_of(std::string_view line) {
   const std::size_t begin = line.find_first_not_of(" \t");
-  return begin != std::string_view::npos && (line[begin] == '%' || program_number(line) >= 0);
+  return begin == std::string_view::npos ? ' ' : line[begin];
 }
 
 }  // namespace
@@ -32,11 +32,15 @@ std::optional<Subprogram> find_subprogram(const std::string& path, int number) {
   if (!std::holds_alternative<LineReader>(opened)) return std::nullopt;
   auto& reader = std::get<LineReader>(opened);
   std::optional<Subprogram> found;
-  bool inside = false;
+  bool inside = false, begun = false;
   while (const auto line = reader.next()) {
-    const bool begins = program_number(*line) == number;
+    const char first = first_of(*line);
+    if (first == '%' && begun) break;  // the control reads no further
+    begun = begun || first == '/' || (first >= 'A' && first <= 'Z') || (first >= 'a' && first <= 'z');
+    const int name = program_number(*line);
+    const bool begins = name == number;
     if (begins && found) return std::nullopt;  // which of the two is run is not sure
-    inside = begins || (inside && !begins_another(*line));
+    inside = begins || (inside && name < 0);
     if (begins) found = Subprogram{reader.line_number(), {}};
     if (!inside) continue;
     if (reader.too_long() || found->lines.size() == kMostSubprogramLines) return std::nullopt;

@@ -9,12 +9,11 @@ namespace abbe {
 
 /// The lines of a subprogram that stands in the file of the program that calls it.
 struct Subprogram {
-  std::uint64_t first_line = 0;  ///< of "O2000", from 1
-  std::vector<std::string>
-      lines;  ///< with their end-of-line bytes, up to the next O or '%' or the end of the file
+  std::uint64_t first_line = 0;    ///< of "O2000", from 1
+  std::vector<std::string> lines;  ///< with their end-of-line bytes, up to the next O or the end of the file
 };
 
-/// Finds "O2000" at the start of a line, behind the main program or before it.
+/// Finds "O2000" at the start of a line, behind the main program or before it, but not behind a closing '%'.
 /// errors   nullopt: it is not there, there twice, longer than kMostLines lines, or the file cannot be read
 /// cost     one pass over the file
 inline constexpr std::size_t kMostSubprogramLines = 200000;

@@ -217,7 +217,8 @@ bool Control::settings() {
   }
   const bool dwells_by_f = b.g_code(0) == 40 && (b.g_words[0] & letter_bit('F')) != 0;
   if (!dwells_by_f && !feed_words()) return false;
-  if (b.has('S')) {
+  const bool dwells_by_s = b.g_code(0) == 40 && (b.g_words[0] & letter_bit('S')) != 0;
+  if (b.has('S') && !dwells_by_s) {
     if (!use('S')) return false;
     add(EventKind::speed, 0, letter_bit('S'));
   }
@@ -313,8 +314,10 @@ bool Control::modes() {
     if (!profile_.offsets.keeps_shift && frames_.g92 != Vec3::Zero())
       return refuse(b.g_column[12], "E-FRAME", "another work offset while a shift of the program is in force",
                     "it is not defined whether the shift stays", "end the shift first");
+    const Vec3 zero = zero_of(frames_);
     frames_.active = index;
     u_ = program_of(frames_, m_);
+    move_zero(zero);
     add(EventKind::g_code, 540, code == Block::kFurtherOffset ? letter_bit('P') : 0).sets_frames = true;
   }
   if (const int code = b.g_code(11); code >= 0) turn(code);
@@ -332,7 +335,8 @@ bool Control::modes() {
 bool Control::tool_offset(int code) {
   const Block& b = *block_;
   Letters words = 0;
-  if (profile_.tools.moves && (!b.has('Z') || incremental_ || b.g_code(3) == 910)) {
+  const bool incremental = b.g_code(3) >= 0 ? b.g_code(3) == 910 : incremental_;
+  if (profile_.tools.moves && (!b.has('Z') || incremental)) {
     constexpr Axes z = 4;  // parameters say whether the axis moves at once
     m_.known &= ~z;
     m_.at[2] = 0;

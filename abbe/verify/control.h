@@ -83,6 +83,8 @@ class Control {
   bool edge();
   bool select_tool();
   bool make_frame(int code);
+  void move_zero(const Vec3& before);
+  bool increments_sure();
   bool non_modal();  // G10 G28 G30 G52 G92
   bool set_system();
   bool set_g92(int code);
@@ -124,8 +126,9 @@ class Control {
   std::map<int, ToolEntry> tools_;
   std::optional<int> tool_, selected_;
   bool tool_change_keeps_place_;
-  Position u_, m_;   ///< program position + g92, and axis commands
-  double unit_ = 1;  ///< mm per program unit
+  Position u_, m_;        ///< program position + g92, and axis commands
+  Axes moved_zeros_ = 0;  ///< axes whose zero is another one than when they were commanded
+  double unit_ = 1;       ///< mm per program unit
   int plane_ = 170, feed_mode_ = 940, mode_ = 800;
   double feed_ = 0;
   bool incremental_ = false, absolute_centres_ = false, retracts_to_r_ = true;  // G99: so LinuxCNC starts

@@ -128,6 +128,7 @@ bool Control::make_frame(int code) {
   if (turns && (plane_ != 170 || frames_.system().rotation != 0))
     return refuse(b.g_column[0], "E-ROTATION", "a turn outside G17 or in a turned work offset",
                   "its axis is not followed", "use G17 and an offset without rotation");
+  const Vec3 zero = zero_of(frames_);
   if (!adds) frames_.g92 = Vec3::Zero();
   if (shifts)
     for (int i = 0; i < 3; ++i)
@@ -141,7 +142,27 @@ bool Control::make_frame(int code) {
     m_.at[0] = m_.at[1] = 0;
   }
   u_ = program_of(frames_, m_);
+  move_zero(zero);
   add(EventKind::g_code, code, shifts ? kAxisWords : letter_bit('R')).sets_frames = true;
+  return true;
+}
+
+/// Notes the axes whose zero is no longer where it was.
+void Control::move_zero(const Vec3& before) {
+  constexpr double same = 1e-9;  // mm
+  const Vec3 now = zero_of(frames_);
+  for (int i = 0; i < 3; ++i)
+    if (std::abs(now[i] - before[i]) > same) moved_zeros_ |= Axes{1} << i;
+}
+
+/// Whether the block's increments count from where the axes stand: some controls catch up with a moved zero.
+bool Control::increments_sure() {
+  if (profile_.offsets.increments_sure) return true;
+  const Axes named = named_axes(*block_);
+  if (incremental_ && (named & moved_zeros_) != 0)
+    return refuse(1, "E-POS", "an increment behind a shift of the zero of its axis",
+                  "the control may catch up with the shift", "command the axis absolutely first");
+  moved_zeros_ &= ~named;
   return true;
 }
 

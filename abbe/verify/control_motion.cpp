@@ -74,7 +74,8 @@ bool Control::move() {
                     "it states the time of that block", "add F");
   }
   const bool machine_words = block_->g_code(0) == 530;
-  if (!machine_words && !frame_known()) return false;
+  if (!machine_words && (!frame_known() || !increments_sure())) return false;
+  if (machine_words) moved_zeros_ |= named_axes(*block_);
   const bool done = motion_code_ <= 10 ? straight() : motion_code_ <= 30 ? arc() : canned_cycle();
   if (!done) return false;
   if (!turns_known()) motion_.end.known = 0;  // where the tip goes depends on all axes

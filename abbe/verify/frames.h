@@ -34,6 +34,9 @@ struct Frames {
   [[nodiscard]] double rotation() const { return system().rotation + turn; }
 };
 
+/// Where an axis command reads zero but for rotations: origin + g92, mm.
+[[nodiscard]] inline Vec3 zero_of(const Frames& frames) { return frames.system().origin + frames.g92; }
+
 [[nodiscard]] Frames frames_of(const ControlSetup& setup, const Profile& profile);
 
 /// Rz(angle) v.

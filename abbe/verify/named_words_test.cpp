@@ -25,6 +25,7 @@ const char* const kProgram =
     "G1 Z10 F500\n"
     "G2 X30 CR=12\n"
     "G4 F2\n"
+    "G4 S30\n"
     "TRANS X10 Y=5\n"
     "G1 X40\n"
     "AROT RPL=30\n"
@@ -62,6 +63,13 @@ TEST(NamedWords, TheSameProgramAgrees) {
   EXPECT_GT(report.events, 15U);
 }
 
+// D with Z in G90: the axis goes to its new place at once, whatever mode was in force before.
+TEST(NamedWords, AnOffsetTakesTheModeOfItsBlock) {
+  const std::string program = changed("G4 F2", "G91\nG90 G1 D0 Z10\nG1 X31\nD1 Z10");
+  const VerifyReport report = compared(program, program);
+  EXPECT_TRUE(report.agrees) << texts(report);
+}
+
 TEST(NamedWords, OtherSpellingsOfANumberAgree) {
   EXPECT_TRUE(compared(changed("X=10", "X10.0")).agrees);
   EXPECT_TRUE(compared(changed("CR=12", "CR = +12.00")).agrees);
@@ -79,6 +87,7 @@ TEST(NamedWords, WhateverChangesIsFound) {
                                                                     {"CR=12", "CR=-12"},
                                                                     {"G2", "G3"},
                                                                     {"G4 F2", "G4 F3"},
+                                                                    {"G4 S30", "G4 S31"},
                                                                     {"Y=5", "Y=6"},
                                                                     {"TRANS", "ATRANS"},
                                                                     {"RPL=30", "RPL=31"},
@@ -115,7 +124,9 @@ TEST(NamedWords, WhatIsNotUnderstoodIsRefused) {
                                                                     {"TRANS X1 G1", "E-BLOCK"},
                                                                     {"ROT RPL=5\nATRANS X1", "E-ROTATION"},
                                                                     {"G70", "E-GCODE"},
-                                                                    {"ORIWKS", "E-TCP"}};
+                                                                    {"ORIWKS", "E-TCP"},
+                                                                    {"TRANS X1\nG91 G1 X1", "E-POS"},
+                                                                    {"FGROUP(X,Y)", "E-GCODE"}};
   for (const auto& [line, code] : refused) {
     const std::string program = changed("G4 F2", line);
     const VerifyReport report = compared(program, program);

@@ -44,13 +44,15 @@ Call lines_of_subprogram(const std::string& path, int number) {
   auto opened = LineReader::open(path, false);
   if (std::holds_alternative<FileError>(opened)) return call;
   auto& lines = std::get<LineReader>(opened);
-  bool taking = false;
+  bool taking = false, in_program = false;
   while (const auto next = lines.next()) {
     const std::string_view text = without_eol(*next), words = trimmed(text);
+    if (words == "%" && in_program) break;  // the end of what the control loads
+    in_program = in_program || (!words.empty() && words[0] != '%' && words[0] != '(' && words[0] != '\0');
     const bool names = !words.empty() && (words[0] == 'O' || words[0] == 'o');
-    if (names || (!words.empty() && words[0] == '%')) {
+    if (names) {
       const auto digits = words.substr(1, words.find_first_not_of("0123456789", 1) - 1);
-      taking = names && !digits.empty() && digits.size() < 9 && std::stoi(std::string(digits)) == number;
+      taking = !digits.empty() && digits.size() < 9 && std::stoi(std::string(digits)) == number;
       if (taking && !call.lines.empty()) return {};
       if (taking) call.first = lines.line_number();
     }

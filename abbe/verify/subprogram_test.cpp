@@ -59,6 +59,7 @@ TEST(Subprograms, WhatIsNotSureIsRefused) {
                                                                                  {"M98 P2", "M98 P2 X1."},
                                                                                  {"M98 P2", "M99"},
                                                                                  {"M99\n", ""},
+                                                                                 {"O2 (SUB)", "%\nO2 (SUB)"},
                                                                                  {"M98 P2", "M98"},
                                                                                  {"N5 Y20.", "M98 P2"},
                                                                                  {"M99", "M99 X1."}}) {

@@ -175,7 +175,7 @@ Abbe, none is part of the repository) has one of two fates:
   tool on any of these machines, before and after, and what was allowed there.
 - **Refused** ({len(refused)}): nothing is written; the first reason and its line, then the codes of all other findings.
 
-A test repeats the programs of up to {SHORT} lines on one machine, and fails when a fate or a first reason changes. Every program is given
+A test repeats the programs of up to {SHORT} lines on one machine, and fails when a fate or the code of a first reason changes. Every program is given
 work offsets at zero, a tool table with 100 mm for every tool, and the start X0 Y0 Z0. The machine: its axes; behind `/` the part of
 the usual errors (tens of micrometres and of urad per half metre) that cycles allow, inside which nothing can be corrected.
 
