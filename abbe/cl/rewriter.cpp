@@ -165,7 +165,8 @@ bool Rewriter::refuse(const Record& record, PoseField::Trouble trouble, const To
     case Trouble::outside:
       findings_.refuse(record, {"E-VOL", "outside the calibrated volume: " + at,
                                 "beyond the measured range the errors are not known",
-                                "check the part's place (--offset), or measure a larger volume"});
+                                "check the part's place (--offset) and the temperatures, or measure a "
+                                "larger volume"});
       return false;
     case Trouble::travel:
       break;

@@ -256,7 +256,7 @@ std::optional<Vec3> Rewriter::correction_at(const Vec3& m, unsigned withheld,
           "E-VOL",
           fmt::format("X {:.3f} Y {:.3f} Z {:.3f} mm: outside the calibrated volume", m.x(), m.y(), m.z()),
           "beyond the measured range the errors are not known",
-          "check the work offset (--offset), or measure a larger volume");
+          "check the work offset (--offset) and the temperatures, or measure a larger volume");
       return std::nullopt;
     case Trouble::failed:
       break;

@@ -170,8 +170,9 @@ TEST(RTest, AllEightLocationErrorsOfATableAreFound) {
   }
 }
 
-TEST(RTest, OneHeightOfOneAxisLeavesTiltAndPlaceTogether) {
-  // Only C turns, all balls at one height h: the axis displaced by h times its tilt looks the same.
+TEST(RTest, ABallOnTheAxisLeavesTiltAndPlaceTogether) {
+  // Only C turns, the ball on its axis at height h: the axis displaced by h times its tilt looks the same. A
+  // ball beside the axis shows the tilt by its way up and down, at one height already.
   const HiddenMachine hidden(kFiveAxes, kEightOnly);
   const auto fit_c = [&](const std::vector<Vec3>& balls) {
     std::string csv = "C [deg],A [deg],X [mm],Y [mm],Z [mm],ball\n";
@@ -190,9 +191,13 @@ TEST(RTest, OneHeightOfOneAxisLeavesTiltAndPlaceTogether) {
     return fit_jointly(*job.value, *observations.value, *unknowns_of(*job.value, *observations.value).value);
   };
   EXPECT_TRUE(fit_c({{100, 0, 50}, {60, 10, 150}}).not_determined.empty());
-  // On the axis itself: not even the height of the others helps.
+  EXPECT_TRUE(fit_c({{100, 0, 50}}).not_determined.empty());
   const FitResult one = fit_c({{0, 0, 50}});
-  ASSERT_FALSE(one.not_determined.empty());
+  ASSERT_EQ(one.not_determined.size(), 2U);
+  EXPECT_EQ(one.not_determined[0].name, "EA0C");
+  EXPECT_THAT(one.not_determined[0].like, ::testing::Contains("EY0C"));
+  EXPECT_EQ(one.not_determined[1].name, "EB0C");
+  EXPECT_THAT(one.not_determined[1].like, ::testing::Contains("EX0C"));
   for (const NotDetermined& missing : one.not_determined) EXPECT_TRUE(missing.asked) << missing.name;
 }
 

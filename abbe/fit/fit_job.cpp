@@ -39,6 +39,17 @@ std::optional<Machine> read_job_machine(const TomlNode& root, const std::string&
   return std::move(machine.value);
 }
 
+/// Logs that are all kept back, or none at all, would leave thermal errors out without a word.
+void check_drifts(const FitJob& job, Findings& findings) {
+  const bool fitted = std::any_of(job.drifts.begin(), job.drifts.end(),
+                                  [](const FitDrift& drift) { return !drift.validation; });
+  if (fitted || (job.drifts.empty() && job.thermal.errors.empty())) return;
+  findings.error("E-JOB-EMPTY", {},
+                 job.drifts.empty() ? "[thermal] asks for errors, and there is no [[drift]]"
+                                    : "every [[drift]] only judges",
+                 "there is no log to fit", "add a [[drift]] without use = \"validation\"");
+}
+
 template <class Read>
 void read_entries(const TomlNode& root, const char* key, Findings& findings, const Read& read) {
   const TomlEntry* entry = root.find(key);
@@ -116,6 +127,7 @@ Parsed<FitJob> read_job(const MachineText& text, const FileFetcher& fetch,
       job.values.empty() && job.drifts.empty())
     findings.error("E-JOB-EMPTY", {}, "nothing was measured", "there is nothing to fit",
                    "add [[run]], [[diagonal]], [[points]], [[ball]], [[drift]] or [[value]]");
+  if (!has_errors(out.diagnostics)) check_drifts(job, findings);
   if (!has_errors(out.diagnostics)) out.value = std::move(job);
   return out;
 }

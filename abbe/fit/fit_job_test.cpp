@@ -80,6 +80,14 @@ TEST(ReadFitJob, EveryMistakeHasItsName) {
   EXPECT_EQ(code_of(kHead + "[[diagonal]]\nfile = \"x.csv\"\n"), "E-JOB-KIND");
 }
 
+TEST(ReadFitJob, ThermalErrorsNeedALogToFit) {
+  const std::string thermal = kHead + "[thermal]\nerrors = [\"EZt\"]\n" + kRun;
+  const std::string log = "[[drift]]\nfile = \"log.csv\"\nreadings = { Z1 = { direction = \"Z\" } }\n";
+  EXPECT_EQ(code_of(thermal + log), "");
+  EXPECT_EQ(code_of(thermal), "E-JOB-EMPTY");
+  EXPECT_EQ(code_of(thermal + log + "use = \"validation\"\n"), "E-JOB-EMPTY");
+}
+
 TEST(ReadFitJob, TotalOnAnyBytes) {
   std::mt19937 random(20260303);
   const std::string seed =

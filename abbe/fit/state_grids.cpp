@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <optional>
 
 #include "abbe/fit/choose_form.h"
 #include "abbe/fit/function_model.h"
@@ -31,22 +33,46 @@ std::vector<const FoundFunction*> in_all(const std::vector<ThermalState>& states
   return out;
 }
 
+double reversal_at(const FoundFunction& found, double v) {
+  return found.reversal.size() == 0 ? 0 : found.unknown.reversal->row(v).dot(found.reversal);
+}
+
 /// Most that a function bends away from the straight lines between the nodes, looked at in their middles.
-double largest_bend(const FoundFunction& found, const std::vector<double>& nodes) {
+template <class Function>
+double largest_bend(const Function& f, const std::vector<double>& nodes) {
   double most = 0;
   for (std::size_t i = 0; i + 1 < nodes.size(); ++i) {
-    const double line = (value_at(found, nodes[i]) + value_at(found, nodes[i + 1])) / 2;
-    most = std::max(most, std::abs(value_at(found, (nodes[i] + nodes[i + 1]) / 2) - line));
+    const double line = (f(nodes[i]) + f(nodes[i + 1])) / 2;
+    most = std::max(most, std::abs(f((nodes[i] + nodes[i + 1]) / 2) - line));
   }
   return most;
 }
 
-std::string reversal_text(const std::vector<const FoundFunction*>& found) {
-  if (found.front()->reversal.size() != 1) return {};
-  double mean = 0;
-  for (const FoundFunction* f : found)
-    mean += f->reversal.size() == 1 ? f->reversal[0] / static_cast<double>(found.size()) : 0;
-  return fmt::format(", {{ forward = {}, backward = {} }}", file_number(mean / 2), file_number(-mean / 2));
+/// Half of the mean reversal of all states, by the sign of the approach: a number, or a table over the nodes.
+std::string half_reversal(const std::vector<const FoundFunction*>& found, const std::vector<double>& nodes,
+                          int approach) {
+  const auto half = [&](double v) {
+    double sum = 0;
+    for (const FoundFunction* f : found) sum += reversal_at(*f, v);
+    return file_number(approach * sum / (2 * static_cast<double>(found.size())));
+  };
+  if (std::all_of(found.begin(), found.end(), [](const FoundFunction* f) { return f->reversal.size() == 1; }))
+    return half(nodes.front());
+  std::string samples;
+  for (const double v : nodes)
+    samples += fmt::format("{}[{}, {}]", samples.empty() ? "" : ", ", file_number(v), half(v));
+  return "{ table = [" + samples + "] }";
+}
+
+/// What follows the grid in a list: empty if no state has a reversal, nullopt if only some have.
+std::optional<std::string> reversal_text(const std::vector<const FoundFunction*>& found,
+                                         const std::vector<double>& nodes) {
+  const auto with = std::count_if(found.begin(), found.end(),
+                                  [](const FoundFunction* f) { return f->reversal.size() > 0; });
+  if (with == 0) return std::string();
+  if (with != static_cast<std::ptrdiff_t>(found.size())) return std::nullopt;
+  return fmt::format(", {{ forward = {}, backward = {} }}", half_reversal(found, nodes, +1),
+                     half_reversal(found, nodes, -1));
 }
 
 /// Writes one errors file.
@@ -94,12 +120,15 @@ class Grids {
       for (const FoundFunction* f : found) row.push_back(value_at(*f, v));
       rows += (rows.empty() ? "" : ", ") + joined(row);
     }
-    for (const FoundFunction* f : found) bend_ = std::max(bend_, largest_bend(*f, nodes));
+    for (const FoundFunction* f : found)
+      bend_ = std::max({bend_, largest_bend([&](double v) { return value_at(*f, v); }, nodes),
+                        largest_bend([&](double v) { return reversal_at(*f, v) / 2; }, nodes)});
     const std::string grid =
         fmt::format("{{ grid = [{}], at = [{}, {}], of = [\"{}\", \"{}\"] }}", rows, joined(nodes),
                     joined(temperatures_), job_.machine.axis(found.front()->unknown.axis).name, sensor_);
-    const std::string reversal = reversal_text(found);
-    errors_ += fmt::format("{} = {}\n", name, reversal.empty() ? grid : "[" + grid + reversal + "]");
+    const auto reversal = reversal_text(found, nodes);
+    if (!reversal) return refuse("the reversal of " + name + " was not found in every state");
+    errors_ += fmt::format("{} = {}\n", name, reversal->empty() ? grid : "[" + grid + *reversal + "]");
     uncertainties_ += fmt::format("{} = {}\n", name, file_number(u));
     return true;
   }

@@ -76,7 +76,7 @@ void report_doubts(const FitJob& job, const FitResult& result, Session& session)
                   "the form of a function, the measuring point, or an error that was not measured",
                   "look at the residuals; another form, pitch, or the missing runs"));
   }
-  if (result.rows <= result.rank && result.unknowns > 0)
+  if (result.rows > 0 && result.rows <= result.rank)
     session.report(
         about_job(job, Severity::warning, "W-FIT-FREEDOM", "there are no more equations than unknowns",
                   "nothing is left to judge the fit by; uncertainties are those of the instruments",
@@ -261,30 +261,58 @@ bool publish(const FitArguments& arguments, const std::vector<std::string>& inpu
                                       publish_text(arguments.output, errors, session));
 }
 
+/// Why a job cannot stand beside the first one of several thermal states; empty if it can.
+std::string unlike_first(const FitJob& first, const FitJob& job) {
+  if (job.machine.sha256 != first.machine.sha256) return "it is of another machine file than " + first.file;
+  if (job.reference != first.reference)
+    return "its functions are zero at another [reference] than those of " + first.file;
+  return job.drifts.empty() ? "" : "it has [[drift]], which is fitted by a job of its own";
+}
+
+/// True if the errors read back, and what they depend on is a sensor: an axis would be read as its position.
+bool read_back_with(const std::string& sensor, const FitAnswer& answer, Session& session) {
+  const std::optional<Machine> machine = read_back(answer, session);
+  if (!machine) return false;
+  if (meaning_of(*machine, sensor).kind == NameMeaning::Kind::sensor) return true;
+  session.report(option_error("--states", sensor + " is no sensor: it means something else here",
+                              "name the temperature otherwise, such as T1"));
+  return false;
+}
+
 /// One machine measured in several thermal states: each job by itself, then all of them as grids.
 void run_states(const FitArguments& arguments, Session& session) {
   const auto asked = read_states(arguments, session);
   if (!asked) return;
+  const auto refuse = [&](const FitJob& job, std::string message, const char* why, const char* fix) {
+    session.report(about_job(job, Severity::error, "E-FIT-STATES", std::move(message), why, fix));
+  };
+  if (arguments.covariance) {
+    session.report(option_error("--covariance", "grids of several states have no modes of uncertainty",
+                                "leave it out: [uncertainty] is written"));
+    return;
+  }
   std::vector<FitAnswer> answers;
   std::vector<ThermalState> states;
   std::vector<std::string> inputs;
   for (std::size_t i = 0; i < arguments.jobs.size(); ++i) {
     auto answer = answer_of(arguments.jobs[i], arguments, session);
     if (!answer) return;
+    if (auto unlike = unlike_first(i == 0 ? answer->job : answers.front().job, answer->job); !unlike.empty())
+      return refuse(answer->job, std::move(unlike), "states are compared position by position",
+                    "the same machine and reference in all jobs, without [[drift]]");
     report_doubts(answer->job, answer->result, session);
     states.push_back({asked->second[i], answer->result});
     inputs.insert(inputs.end(), answer->job.files.begin(), answer->job.files.end());
     answers.push_back(std::move(*answer));
   }
   const StateGrids grids = write_state_grids(answers.front().job, asked->first, states);
-  if (!grids.obstacle.empty()) {
-    session.report(about_job(answers.front().job, Severity::error, "E-FIT-STATES", grids.obstacle,
-                             "a grid needs every error in every state",
-                             "measure and name the same in all jobs"));
-    return;
-  }
+  if (!grids.obstacle.empty())
+    return refuse(answers.front().job, grids.obstacle, "a grid needs every error in every state",
+                  "measure and name the same in all jobs");
   answers.front().errors = grids.text;
-  if (!read_back(answers.front(), session) || !publish(arguments, inputs, grids.text, session)) return;
+  if (!read_back_with(asked->first, answers.front(), session) ||
+      !publish(arguments, inputs, grids.text, session))
+    return;
   for (std::size_t i = 0; i < answers.size() && !arguments.json; ++i)
     session.out.write(fmt::format("{}{} = {:g} degC\n{}", i == 0 ? "" : "\n", asked->first,
                                   states[i].temperature, text_of(answers[i])));

@@ -77,6 +77,9 @@ std::optional<VolumeUncertainty> uncertainty_or_report(const MapUncertaintyArgum
   if (setting.machine.files.empty())
     return fail("--uncertainty", "no machine file states an uncertainty", "write a machine file");
   const std::string& path = errors_file.empty() ? setting.machine.files.front() : errors_file;
+  if (path == "-" || path == "<stdin>")
+    return fail("--uncertainty", "the errors are read once more, and standard input is used up",
+                "write them to a file");
   const auto text = read_input(path, session);
   if (!text) return std::nullopt;
   const auto modes = read_uncertainty_modes(setting.machine, {path, *text}, fetch_file);

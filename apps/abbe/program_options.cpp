@@ -282,6 +282,9 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, co
   ProgramJob job;
   job.model = setting->model;
   job.environment = setting->environment;
+  // Header and report say what part the program was made for. Names of sensors hold no blanks.
+  if (a.expansion.temperature) job.environment["workpiece degC"] = *a.expansion.temperature;
+  if (a.expansion.ppm) job.environment["workpiece ppm/K"] = *a.expansion.ppm;
   job.setup = std::move(setup);
   job.datum = a.datum == "probed" ? DatumRule::probed : DatumRule::ideal;
   job.reversal = a.reversal;

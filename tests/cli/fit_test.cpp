@@ -70,6 +70,36 @@ TEST_F(Fit, WhatIsNotDeterminedIsSaid) {
   EXPECT_THAT(fit.err, HasSubstr("EA0Z"));
 }
 
+TEST_F(Fit, StatesThatCannotBeComparedAreRefused) {
+  ASSERT_EQ(run({"simulate", "measurements", job_, "--errors", "hidden.toml"}).exit, 0);
+  const auto refusal = [&](const std::string& warm, std::vector<std::string> more) {
+    std::vector<std::string> arguments = {"fit", job_, warm, "-o", "states.toml"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const ProgramRun result = run(arguments);
+    EXPECT_EQ(std::filesystem::exists(folder_ / "states.toml"), result.exit == 0);
+    std::filesystem::remove(folder_ / "states.toml");
+    return result.exit == 0 ? "written" : result.err;
+  };
+  const auto job_with = [&](const char* machine, const char* more) {
+    return folder_.put("warm.toml", std::string("format = 1\nmachine = \"") + machine + "\"\n" + more +
+                                        "[[square]]\nname = \"s\"\nu = 0.2\n"
+                                        "[[run]]\nfile = \"exx.csv\"\nerror = \"EXX\"\n"
+                                        "[[run]]\nfile = \"eyx.csv\"\nerror = \"EYX\"\nsquare = \"s\"\n"
+                                        "[[run]]\nfile = \"exy.csv\"\nerror = \"EXY\"\nsquare = \"s\"\n");
+  };
+  const std::vector<std::string> states = {"--states", "T1=18/28"};
+  EXPECT_EQ(refusal(job_with("mill.toml", ""), states), "written");
+  EXPECT_THAT(refusal(job_with("mill.toml", "[reference]\nX = 250\n"), states), HasSubstr("[reference]"));
+  folder_.put("other.toml",
+              "format = 1\n[machine]\nname = \"mill\"\nchain = \"w X b Y Z t\"\n[axis.X]\nrange = [0, 500]\n"
+              "errors_seen = \"body\"\n[axis.Y]\nrange = [0, 400]\n[axis.Z]\nrange = [-300, 0]\n");
+  EXPECT_THAT(refusal(job_with("other.toml", ""), states), HasSubstr("another machine file"));
+  // An axis in place of a temperature would be read as its position.
+  EXPECT_THAT(refusal(job_with("mill.toml", ""), {"--states", "Z=18/28"}), HasSubstr("Z is no sensor"));
+  EXPECT_THAT(refusal(job_with("mill.toml", ""), {"--states", "T1=18/28", "--covariance"}),
+              HasSubstr("--covariance"));
+}
+
 TEST_F(Fit, MissingFilesAreNamed) {
   const ProgramRun fit = run({"fit", job_});
   EXPECT_EQ(fit.exit, 2);

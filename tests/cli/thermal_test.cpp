@@ -102,6 +102,21 @@ TEST_F(Thermal, MapTellsItsUncertainty) {
             2);
 }
 
+TEST_F(Thermal, StandardInputCannotStateAnUncertainty) {
+  // It is read twice: the second time [[uncertainty_mode]] would be missing.
+  const ProgramRun result = run_abbe({"map", "mill.toml", "--errors", "-", "--count", "2", "--uncertainty"},
+                                     "format = 1\n[errors]\nEXX = 3\n[uncertainty]\nEXX = 1.5\n"
+                                     "[[uncertainty_mode]]\nEXX = 9\n",
+                                     folder_.path());
+  EXPECT_EQ(result.exit, 2);
+  EXPECT_THAT(result.err, HasSubstr("write them to a file"));
+}
+
+TEST_F(Thermal, LogsAloneAreNoLackOfEquations) {
+  ASSERT_EQ(run({"simulate", "drift", job_, "--errors", "hidden.toml", "--seed", "2"}).exit, 0);
+  EXPECT_THAT(run({"fit", job_}).err, ::testing::Not(HasSubstr("W-FIT-FREEDOM")));
+}
+
 TEST_F(Thermal, WarmWorkpiecesAreCutLarger) {
   const auto x_of = [&](std::vector<std::string> more) {
     std::vector<std::string> arguments = {"predict", "mill.toml", "--at", "X=100,Y=0,Z=0"};
@@ -124,6 +139,8 @@ TEST_F(Thermal, WarmWorkpiecesAreCutLarger) {
   std::stringstream text;
   text << file.rdbuf();
   EXPECT_THAT(text.str(), HasSubstr("X200.023"));  // 200 mm * 11.5e-6 * 10
+  EXPECT_THAT(text.str(), HasSubstr("(ABBE WORKPIECE DEGC = 30)"));
+  EXPECT_THAT(text.str(), HasSubstr("(ABBE WORKPIECE PPM/K = 11.5)"));
   std::vector<std::string> ideal = compensate;
   ideal.insert(ideal.end(), {"--datum", "ideal"});
   const ProgramRun refused = run(ideal);
