@@ -92,10 +92,16 @@ Stroke stroke_of(const GearJob& job, const WheelInGap& wheel) {
   return {-half, half};
 }
 
+Approach approach_of(const GearJob& job) {
+  const double radius = job.wheel.diameter / 2, depth = job.gear.tip_radius - job.gear.root_radius;
+  return {job.cutting.clearance + depth, std::sqrt(radius * radius - (radius - depth) * (radius - depth))};
+}
+
 double CuttingMotion::time(const CuttingSpec& cutting, std::size_t gap, std::size_t node) const {
-  const double stroke_time = (stroke.high - stroke.low) / cutting.feed;
-  return static_cast<double>(gap) * (stroke_time + cutting.index_time) +
-         (height(node) - stroke.low) / cutting.feed;
+  const double before = approach.down + approach.along;
+  const double way = before + (stroke.high - stroke.low) + approach.along;
+  return static_cast<double>(gap) * (way / cutting.feed + cutting.index_time) +
+         (before + height(node) - stroke.low) / cutting.feed;
 }
 
 std::variant<CuttingMotion, CuttingProblem> plan_cutting(const Machine& machine, const GearJob& job,
@@ -104,6 +110,7 @@ std::variant<CuttingMotion, CuttingProblem> plan_cutting(const Machine& machine,
                                                          const PoseChange& change) {
   CuttingMotion motion;
   motion.stroke = stroke_of(job, wheel);
+  motion.approach = approach_of(job);
   motion.nodes = nodes;
   const Plan plan = ideal_plan(machine, true), anywhere = ideal_plan(machine, false);
   if (!axis_sign_of(anywhere, job, wheel, 0, start)) return missing_axes(machine, wheel);

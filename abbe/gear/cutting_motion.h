@@ -28,11 +28,22 @@ struct Stroke {
 };
 [[nodiscard]] Stroke stroke_of(const GearJob& job, const WheelInGap& wheel);
 
+/// The wheel's ways with the feed before its stroke, mm: from `clearance` outside the tip cylinder down to
+/// its depth, beyond the end of the face, then along the gap. After the stroke it goes on as far along the
+/// gap.
+struct Approach {
+  double down = 0, along = 0;
+};
+///     down = clearance + h,   along = sqrt(R^2 - (R - h)^2),   h = depth of the gap, R = radius of the
+///     wheel: there the wheel does not reach the tip cylinder any more
+[[nodiscard]] Approach approach_of(const GearJob& job);
+
 using AxisCommands = std::array<double, kMaxAxes>;
 
 /// Axis commands for every gap, as the machine without errors needs them.
 struct CuttingMotion {
   Stroke stroke;
+  Approach approach;
   std::size_t nodes = 0;
   double axis_sign = 1;
   std::vector<AxisCommands> commands;  ///< gap by gap, `nodes` of each from the lower end upwards
@@ -42,7 +53,8 @@ struct CuttingMotion {
     return stroke.low +
            (stroke.high - stroke.low) * static_cast<double>(node) / static_cast<double>(nodes - 1);
   }
-  /// When the wheel is there, s: strokes with the feed, between them the time of indexing.
+  /// When the wheel is there, s, from the beginning of the way into gap 1: all ways in a gap with the feed,
+  /// between two gaps the time of indexing.
   [[nodiscard]] double time(const CuttingSpec& cutting, std::size_t gap, std::size_t node) const;
 };
 

@@ -24,12 +24,10 @@ class Writer {
          const PoseChange& change)
       : job_(job), wheel_(wheel), sign_(axis_sign), tolerance_(tolerance), change_(change) {
     const Stroke stroke = stroke_of(job, wheel);
-    const double radius = job.wheel.diameter / 2, depth = job.gear.tip_radius - job.gear.root_radius;
-    // Where the disc of radius R does not reach the tip cylinder at the end of the face any more.
-    const double entry = std::sqrt(radius * radius - (radius - depth) * (radius - depth));
-    low_ = stroke.low - entry;
-    high_ = stroke.high + entry;
-    out_radius_ = radius + job.gear.tip_radius + job.cutting.clearance;
+    const Approach approach = approach_of(job);
+    low_ = stroke.low - approach.along;
+    high_ = stroke.high + approach.along;
+    out_radius_ = wheel.centre_distance + approach.down;
   }
 
   std::string write() {

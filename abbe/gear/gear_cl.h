@@ -8,10 +8,9 @@ namespace abbe {
 
 /// The cut as CL data: wheel centre and wheel axis in the workpiece frame, every gap with a stroke upwards.
 ///
-/// The stroke begins and ends where the wheel is out of the material, sqrt(R^2 - (R - h)^2) beyond the face
-/// for a gap of depth h; between strokes the wheel is `clearance` outside the tip cylinder. Points lie so
-/// close that straight motions stay within `tolerance` of the helix, of the crowning and of the tip
-/// cylinder's clearance.
+/// The stroke begins and ends where the wheel is out of the material (approach_of); between strokes the wheel
+/// is `clearance` outside the tip cylinder. Points lie so close that straight motions stay within `tolerance`
+/// of the helix, of the crowning and of the tip cylinder's clearance.
 ///
 /// tolerance   mm
 /// change      null: nominal poses

@@ -87,6 +87,21 @@ TEST(GearCl, TheWheelStartsOutsideTheGear) {
   EXPECT_GT(depth - std::sqrt(radius * radius - beyond * beyond), tip);
 }
 
+TEST(GearCl, TheTimeOfTheCutIsThatOfTheProgram) {
+  const GearJob job = test::job_of(test::seed_spec());
+  const WheelInGap wheel = test::wheel_of(job.gear);
+  const auto records = records_of(write_gear_cl(job, wheel, -1, 0.5 * um));
+  double fed = 0;
+  for (std::size_t i = 1; i < records.size(); ++i)
+    if (!records[i].rapid) fed += (records[i].centre - records[i - 1].centre).norm();
+  CuttingMotion motion;
+  motion.stroke = stroke_of(job, wheel);
+  motion.approach = approach_of(job);
+  motion.nodes = 2;
+  const double of_a_gap = motion.time(job.cutting, 1, 0) - motion.time(job.cutting, 0, 0);
+  EXPECT_NEAR(fed / job.cutting.feed, 94 * (of_a_gap - job.cutting.index_time), 1e-6);
+}
+
 TEST(GearCl, ChordsStayWithinTheTolerance) {
   GearSpec spec = test::helical_spec();
   spec.helix_crowning = 15 * um;

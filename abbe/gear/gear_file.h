@@ -15,8 +15,8 @@ struct CuttingSpec {
   double first_gap = 0;   ///< angle of gap 1 about the workpiece's z
   double overrun = 2;     ///< the wheel's way beyond what the face needs, at both ends
   double clearance = 5;   ///< between wheel and gear on the way to the next gap
-  double feed = 5;        ///< along the gap, mm/s
-  double index_time = 2;  ///< from the end of a stroke to the beginning of the next
+  double feed = 5;        ///< along the gap and on the way into it, mm/s
+  double index_time = 2;  ///< from the end of one gap to the beginning of the way into the next
 };
 
 /// A gear file, read and checked: the gear can exist and the wheel can make it.

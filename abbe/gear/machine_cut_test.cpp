@@ -210,9 +210,12 @@ TEST(MachineCut, TemperaturesChangeWhileTheTeethAreCut) {
   for (const std::size_t gap : {std::size_t{0}, std::size_t{40}, std::size_t{93}})
     for (std::size_t node = 0; node < kNodes; ++node)
       EXPECT_NEAR(cut.cut.deviations.of(gap, node).d.x(), at(gap, node), kNothing);
-  // A stroke of 104 mm at 5 mm/s, 2 s to the next gap.
-  EXPECT_NEAR(cut.motion.time(cut.job.cutting, 1, 0), 104 / 5.0 + 2, 1e-9);
-  EXPECT_NEAR(cut.motion.time(cut.job.cutting, 0, kNodes - 1), 104 / 5.0, 1e-9);
+  // At 5 mm/s: 5 + 27 mm down, the disc's way beyond the face, a stroke of 104 mm, beyond the face again; 2 s
+  // to the next gap.
+  const double beyond = std::sqrt(150.0 * 150 - 123 * 123), first = (32 + beyond) / 5;
+  EXPECT_NEAR(cut.motion.time(cut.job.cutting, 0, 0), first, 1e-9);
+  EXPECT_NEAR(cut.motion.time(cut.job.cutting, 0, kNodes - 1), first + 104 / 5.0, 1e-9);
+  EXPECT_NEAR(cut.motion.time(cut.job.cutting, 1, 0), 2 * first + (104 + beyond) / 5 + 2, 1e-9);
   EXPECT_GT(at(93, 0), 1 * um);
   const auto missing =
       cut_on_machine(test::machine_of(test::gear_mill(errors)), cut.job, cut.wheel, cut.motion, {});

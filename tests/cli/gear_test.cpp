@@ -73,7 +73,7 @@ TEST_F(GearVerb, CutMeasuresWhatTheMachineMade) {
   EXPECT_LT(cut["second_order_um"], 0.01);
   EXPECT_THAT(text_of("c.svg"), HasSubstr("</svg>"));
   EXPECT_THAT(text_of("c.cls"), HasSubstr("$$ gap 94"));
-  EXPECT_THAT(text_of("m.csv"), HasSubstr("gap,height_mm,time_s,C,X,Z\n1,-52.000000,0.000,"));
+  EXPECT_THAT(text_of("m.csv"), HasSubstr("gap,height_mm,time_s,C,X,Z\n1,-52.000000,23.571,"));
   EXPECT_THAT(text_of("p.csv"), HasSubstr("tooth,flank,roll_mm,z_mm,deviation_um\n1,right,"));
   // The CL data are the cut: as a program for the ideal machine every stroke is at the centre distance.
   const ProgramRun program = run_abbe({"inverse", "mill.toml", "--poses", "c.cls", "--set", "T1=20",
