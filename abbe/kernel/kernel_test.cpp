@@ -28,6 +28,9 @@ constexpr double kSameExact = 1e-8;
 /// What single precision may change in a first-order correction, as a part of its length and of the ways by
 /// which its rotary axes move the tip, which the linear axes take back.
 constexpr double kSingleStep = 1e-6;
+/// And what its error functions may miss besides, mm: each 1e-8 mm and 3e-11 rad, and there are several. The
+/// worst seen on 6000 machines was 3.3e-8.
+constexpr double kSingleFunctions = 1e-7;
 
 std::vector<const Kernel*> kernels() {
   std::vector<const Kernel*> all;
@@ -235,8 +238,9 @@ TEST(Kernels, CorrectPosesIsTheOneStepAndConvergesToTheCorrection) {
             rest = std::max(rest, std::abs(q[k][i] - expected.corrected[k]) * (rotary ? 300 : 1));
           }
           const double most =
-              steps == 0 ? kSingleStep * way_of(flat->view(), results, i, queries[i], 6000) : 0.3 * last[i];
-          ASSERT_LE(rest, most + kSameStep) << kernel->name << " round " << round;
+              steps == 0 ? kSingleStep * way_of(flat->view(), results, i, queries[i], 6000) + kSingleFunctions
+                         : 0.3 * last[i] + kSameStep;
+          ASSERT_LE(rest, most) << kernel->name << " round " << round;
           if (steps == 8 && rest > kSameStep) ++slow;
           if (steps == 1 && rest < 1e-6) ++fine;
         }
@@ -342,7 +346,7 @@ TEST(Kernels, BatchesInSinglePrecisionAreTheFirstOrderStep) {
           rest = std::max(rest, std::abs(all.q[k][i] - one.q[k][0]) * (rotary ? 300 : 1));
         }
         const double way = way_of(flat->view(), one, 0, queries[i], 1000);
-        const double most = setting.exact_steps == 0 ? kSingleStep * way + kSameStep : kSameExact;
+        const double most = setting.exact_steps == 0 ? kSingleStep * way + kSingleFunctions : kSameExact;
         ASSERT_LE(rest, most) << kernel->name << " round " << round;
         if (setting.exact_steps == 0) {
           const std::size_t where = round < 120 ? 0 : 1;
