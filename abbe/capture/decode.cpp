@@ -64,8 +64,19 @@ bool is(const Datagram& d, const Kind& kind) {
 class Clock {
  public:
   explicit Clock(TimeBase base) : base_(base) {}
-  [[nodiscard]] std::optional<std::int64_t> of(const BusFrame& frame) {
-    if (base_ == TimeBase::recorder) return frame.packet.time_ns;
+  /// False: the frame has no time of this base. (An optional would cost a stalled load for every row.)
+  [[nodiscard]] bool read(const BusFrame& frame, std::int64_t& ns) {
+    if (base_ == TimeBase::recorder) {
+      ns = frame.packet.time_ns;
+      return true;
+    }
+    const std::optional<std::int64_t> time = of_device(frame);
+    ns = time.value_or(0);
+    return time.has_value();
+  }
+
+ private:
+  [[nodiscard]] std::optional<std::int64_t> of_device(const BusFrame& frame) {
     if (base_ == TimeBase::esl) return frame.ethernet.esl ? time_of(*frame.ethernet.esl) : std::nullopt;
     const auto reading = clock_of(frame);
     if (!reading) return std::nullopt;
@@ -76,7 +87,6 @@ class Clock {
     return total_;
   }
 
- private:
   TimeBase base_;
   std::optional<std::uint32_t> last_;
   std::int64_t total_ = 0;
@@ -187,14 +197,15 @@ class Decoder {
   bool end_row(const BusFrame& frame) {
     const bool is_short = short_, unknown = unknown_output_;
     forget();
-    const auto time = clock_.of(frame);
+    std::int64_t time = 0;
+    const bool timed = clock_.read(frame, time);
     if (is_short) ++report_.short_rows;
     if (unknown) ++report_.incomplete_rows;
-    if (!time) ++report_.untimed_rows;
-    if ((is_short && !options_.keep_short) || unknown || !time) return true;
+    if (!timed) ++report_.untimed_rows;
+    if ((is_short && !options_.keep_short) || unknown || !timed) return true;
     const std::uint64_t row = report_.rows++;
-    if (row == 0) report_.first_ns = *time;
-    const double seconds = static_cast<double>(*time - report_.first_ns) * 1e-9;
+    if (row == 0) report_.first_ns = time;
+    const double seconds = static_cast<double>(time - report_.first_ns) * 1e-9;
     if (row > 0) watch(row, seconds);
     last_ = seconds;
     time_[fill_] = seconds;
