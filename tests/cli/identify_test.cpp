@@ -144,11 +144,18 @@ TEST_F(Identify, IdentifiabilityExplainsOneFeed) {
   const ProgramRun one = abbe({"identifiability", mill_, "--test", "plane=XY,radius=100,feed=2000"});
   ASSERT_EQ(one.exit, 0) << one.err;
   EXPECT_THAT(one.out, HasSubstr("another feed tells them apart"));
+  EXPECT_THAT(one.out, HasSubstr("in the box of tested positions"));
   const ProgramRun two =
       abbe({"identifiability", mill_, "--json", "--test", "plane=XY,radius=100,feed=600,setup=a", "--test",
             "plane=XY,radius=150,feed=3000,setup=a"});
   ASSERT_EQ(two.exit, 0) << two.err;
-  EXPECT_GT(json::parse(two.out)["rank"], 10);
+  const json answer = json::parse(two.out);
+  EXPECT_GT(answer["rank"], 10);
+  const json& space = answer["deviation_uncertainty"];
+  EXPECT_GT(space["rms_um"], 0);
+  EXPECT_GT(space["worst_um"], space["rms_um"]);
+  EXPECT_NEAR(std::abs(space["at_mm"]["X"].get<double>()), 150, 1);
+  EXPECT_FALSE(space["at_mm"].contains("Z"));
 }
 
 TEST_F(Identify, SimulatedBusIsACapture) {
