@@ -93,7 +93,7 @@ bool solved_or_report(const Identification& found, Session& session) {
           "it says";
       break;
     case Status::too_few_rows:
-      why.message = "fewer samples than unknowns";
+      why.message = "fewer samples than unknowns (those near reversals do not count: --reversal-ms)";
       why.fix = "measure more, or ask for fewer terms (--rotation 0, --straightness 2)";
       break;
     case Status::not_finite:

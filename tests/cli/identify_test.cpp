@@ -236,7 +236,16 @@ TEST_F(Identify, WrongInputIsNamed) {
   refused({"identifiability", mill_, "--test", plan + ",directions=left"}, "directions=left");
   refused({"identifiability", mill_, "--test", plan + ",from=90,to=20"}, "'to' is not above 'from'");
   refused({"identifiability", lathe, "--test", plan}, "E-IDENTIFY");
+  refused({"identifiability", mill_, "--test", plan, "--reversal-ms", "100000"},
+          "fewer samples than unknowns");
   refused({"simulate", "ballbar", lathe, "--test", plan, "--out", folder_ / "x"}, "no linear axis Y");
+  const std::string small = folder_.put("small.toml", kMill + "[axis.Y]\nrange = [-90, 200]\n");
+  const std::string out = folder_ / "x";
+  refused({"simulate", "ballbar", small, "--test", plan, "--out", out}, "leaves the travel of Y");
+  refused({"simulate", "ballbar", mill_, "--test", "plane=XY,radius=100,feed=0.01", "--out", out},
+          "cycles of the bus");
+  const std::string upper = "plane=XY,radius=100,feed=2000,from=10,to=170,overshoot=5";
+  EXPECT_EQ(abbe({"simulate", "ballbar", small, "--test", upper, "--out", out}).exit, 0);
   refused({"simulate", "ballbar", mill_, "--test", plan, "--lag", "Q=1", "--out", folder_ / "x"}, "--lag");
   refused({"identify", mill_, folder_ / "absent.csv"}, "E-FILE");
   refused({"identify", mill_, folder_.put("a.csv", "angle_deg,deviation_um\n")}, "does not say the plane");
