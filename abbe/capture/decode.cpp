@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "abbe/capture/field.h"
 
@@ -60,7 +61,8 @@ bool is(const Datagram& d, const Kind& kind) {
   return d.address == kind.address && d.data.size() == kind.length && d.command == kind.command;
 }
 
-/// The reference clock has 32 bits in some frames: it is unwrapped.
+/// The reference clock has 32 bits in some frames: it is unwrapped, over pauses of more than half a turn
+/// (2.1 s) with the recorder's time.
 class Clock {
  public:
   explicit Clock(TimeBase base) : base_(base) {}
@@ -82,14 +84,23 @@ class Clock {
     if (!reading) return std::nullopt;
     if (reading->whole) return static_cast<std::int64_t>(reading->ns);
     const auto low = static_cast<std::uint32_t>(reading->ns);
-    total_ += last_ ? static_cast<std::int32_t>(low - *last_) : static_cast<std::int64_t>(low);
+    total_ += last_ ? step(low, frame.packet.time_ns) : static_cast<std::int64_t>(low);
     last_ = low;
+    last_recorded_ = frame.packet.time_ns;
     return total_;
+  }
+
+  /// The step modulo one turn that is nearest to what the recorder's clock says.
+  [[nodiscard]] std::int64_t step(std::uint32_t low, std::int64_t recorded) const {
+    constexpr double kTurn = 4294967296.0;
+    const std::int64_t shortest = static_cast<std::int32_t>(low - *last_);
+    const auto rest = static_cast<double>(recorded - last_recorded_ - shortest);
+    return shortest + std::llround(rest / kTurn) * (std::int64_t{1} << 32);
   }
 
   TimeBase base_;
   std::optional<std::uint32_t> last_;
-  std::int64_t total_ = 0;
+  std::int64_t total_ = 0, last_recorded_ = 0;
 };
 
 class Decoder {
