@@ -264,6 +264,7 @@ void run_machine(MachineArguments arguments, Session& session) {
     return;
   const double most = std::max(std::abs(answer.figures.least), std::abs(answer.figures.most));
   const auto& limits = setting->setting.limits;
+  if (answer.program.beyond_travel || answer.program.outside) session.note(Exit::outside);
   if (session.strict && limits.position && (answer.uncut > 0 || most > *limits.position))
     session.note(Exit::warnings);
   session.out.write(arguments.program.common.json

@@ -171,7 +171,7 @@ TEST_F(Parts, PointsBesideThePatchDoNotPass) {
 
 TEST_F(Parts, WhatTheMachineCannotDoIsSaid) {
   cut(kPlane, "");
-  const auto warned = [&](const std::vector<std::string>& more) {
+  const auto warned = [&](const std::vector<std::string>& more, int exit = 4) {
     std::vector<std::string> words{"machine",
                                    folder_ / "mill.toml",
                                    folder_ / "part.ngc",
@@ -181,7 +181,7 @@ TEST_F(Parts, WhatTheMachineCannotDoIsSaid) {
                                    "X0,Y0,Z0",
                                    "--strict"};
     words.insert(words.end(), more.begin(), more.end());
-    return code(words, 4);
+    return code(words, exit);
   };
   EXPECT_EQ(warned({"--offset", "G54=X0,Y0,Z-200", "--cutter", "ball:1", "--reach-mm", "0.01"}),
             "W-PART-UNCUT");
@@ -190,7 +190,52 @@ TEST_F(Parts, WhatTheMachineCannotDoIsSaid) {
   std::string small = kMill;
   small.replace(small.find("[axis.Y]"), 8, "[axis.Y]\nrange = [-5, 5]");
   folder_.put("mill.toml", small);
-  EXPECT_EQ(warned({"--offset", "G54=X0,Y0,Z-200"}), "W-PART-TRAVEL");
+  EXPECT_EQ(warned({"--offset", "G54=X0,Y0,Z-200"}, 5), "W-PART-TRAVEL");
+  folder_.put("mill.toml", kMill + "[errors]\nEXX = { table = [[-1, 0], [3, 1]] }\n");
+  EXPECT_EQ(warned({"--offset", "G54=X0,Y0,Z-200"}, 5), "W-PART-VOLUME");
+  const ProgramRun answered =
+      run({"machine", folder_ / "mill.toml", folder_ / "part.ngc", "--surface", folder_ / "part.toml",
+           "--start", "X0,Y0,Z0", "--offset", "G54=X0,Y0,Z-200"});
+  EXPECT_EQ(answered.exit, 5);
+  EXPECT_THAT(answered.out, HasSubstr("profile")) << "answered all the same";
+}
+
+TEST_F(Parts, ProgramsThatCannotBeFollowedAreNamed) {
+  const std::string part = folder_.put("part.toml", kPlane);
+  const auto followed = [&](const std::string& machine, const std::string& program,
+                            const std::vector<std::string>& more, int exit) {
+    std::vector<std::string> words{"machine",
+                                   folder_.put("m.toml", machine),
+                                   folder_.put("a.ngc", program),
+                                   "--surface",
+                                   part,
+                                   "--offset",
+                                   "G54=X0,Y0,Z-200",
+                                   "--start",
+                                   "X0,Y0,Z0",
+                                   "--tool-change",
+                                   "keeps"};
+    words.insert(words.end(), more.begin(), more.end());
+    return code(words, exit);
+  };
+  const std::string head = "G21 G90 G54\nG0 X0 Y0 Z5\n";
+  EXPECT_EQ(followed(kMill, head + "T1 M6\nG1 Z0 F100\nT2 M6\nG1 X5\nM2\n",
+                     {"--gauge", "T1=100", "--gauge", "T2=100"}, 3),
+            "E-PART-TOOL");
+  EXPECT_EQ(followed(kMill, head + "G95 G1 Z0 F0.1\nM2\n", {"--clock"}, 3), "E-PART-TIME");
+  std::string askew = kMill;
+  askew.replace(askew.find("[axis.Y]"), 8, "[axis.Y]\ndirection = [0.001, 1, 0]");
+  EXPECT_EQ(followed(askew, head + "G1 Z0 F100\nM2\n", {}, 3), "E-PART-AXES");
+}
+
+TEST_F(Parts, MoreWayThanMemoryIsRefused) {
+  // Full circles of R = 1000 mm at a tolerance of 10 nm: 15708 poses each, which all reach the points.
+  std::string circles = "G21 G90 G54\nG0 X0 Y0 Z5\nG1 Z0 F100\n";
+  for (int k = 0; k < 60; ++k) circles += "G2 X0 Y0 I1000 J0\n";
+  EXPECT_EQ(code({"machine", folder_.put("mill.toml", kMill), folder_.put("a.ngc", circles + "M2\n"),
+                  "--surface", folder_.put("part.toml", kPlane), "--offset", "G54=X0,Y0,Z-200", "--start",
+                  "X0,Y0,Z0", "--cutter-length", "3000"}),
+            "E-PART-SIZE");
 }
 
 TEST_F(Parts, ClDataOfAPathAreRead) {
