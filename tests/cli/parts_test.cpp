@@ -160,6 +160,58 @@ TEST_F(Parts, PointsOfAMeasuringMachineAreRead) {
   EXPECT_EQ(run({"inspect", part, points, "--columns", "mx,my,mz", "--limit-um", "5", "--strict"}).exit, 4);
 }
 
+TEST_F(Parts, AMeasuringMachineMayBeWrong) {
+  const std::string part = folder_.put("part.toml", kPlane),
+                    points = folder_.put("cmm.csv", "x,y,z\n10,5,2\n20,10,4\n30,15,6\n15,18,3\n");
+  const auto mean = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"inspect", part, points, "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return json::parse(run(words).out)["deviation"]["mean_mm"].get<double>();
+  };
+  EXPECT_NEAR(mean({}), 0, 1e-12);
+  EXPECT_NEAR(mean({"--probe-size-um", "4"}), 0.004, 1e-12);
+  // The slope goes through the origin, so that a scale moves its points within it; not those above it.
+  EXPECT_NEAR(mean({"--probe-scale-ppm", "100"}), 0, 1e-12);
+  folder_.put("cmm.csv", "x,y,z\n10,5,3\n");
+  EXPECT_NEAR(mean({"--probe-scale-ppm", "100"}), 5 / std::sqrt(26.0) * 1.0001, 1e-9);
+}
+
+TEST_F(Parts, MeasuredPointsOfOthersAreRead) {
+  const std::string file = ABBE_SOURCE_DIR "/../shared/data/metrology/robot-WAM-random.csv";
+  if (!std::ifstream(file)) GTEST_SKIP() << file << " is not there";
+  const std::string plane =
+      folder_.put("plane.toml",
+                  "format = 1\n[surface]\ndegree = [1, 1]\npoints = [[[-2000, -2000, 0], "
+                  "[-2000, 2000, 0]], [[2000, -2000, 0], [2000, 2000, 0]]]\n");
+  const ProgramRun is = run({"inspect", plane, file, "--columns", "x_t,y_t,z_t", "--json"});
+  ASSERT_EQ(is.exit, 0) << is.err;
+  const json answer = json::parse(is.out);
+  EXPECT_EQ(answer["points"].size(), 20u);
+  for (const json& point : answer["points"])
+    EXPECT_NEAR(point["deviation_mm"].get<double>(), point["measured_mm"][2].get<double>(), 1e-9);
+}
+
+TEST_F(Parts, CreasesAndPolesAreSaid) {
+  const std::string roof =
+                        folder_.put("roof.toml",
+                                    "format = 1\n[surface]\ndegree = [1, 1]\npoints = [[[-10, 0, -10], [-10, "
+                                    "20, -10]], [[0, 0, 0], [0, 20, 0]], [[10, 0, -10], [10, 20, -10]]]\n"),
+                    cone = folder_.put("cone.toml",
+                                       "format = 1\n[surface]\ndegree = [1, 1]\npoints = [[[0, 0, 0], [0, 0, "
+                                       "0]], [[10, 0, 5], [0, 10, 5]]]\n");
+  EXPECT_EQ(code({"inspect", roof, folder_.put("top.csv", "x,y,z\n0.1,5,0.3\n"), "--strict"}, 4),
+            "W-PART-CREASE");
+  EXPECT_EQ(code({"toolpath", cone}), "E-PATH-POLE");
+}
+
+TEST_F(Parts, InterruptLeavesNothingBehind) {
+  std::string rows = "x,y,z\n";
+  for (int k = 0; k < 300000; ++k) rows += "10,5,2.1\n";
+  const std::string part = folder_.put("part.toml", kPlane), points = folder_.put("long.csv", rows);
+  EXPECT_EQ(interrupt_abbe({"inspect", part, points, "--csv", folder_ / "out.csv"}), 130);
+  EXPECT_FALSE(std::ifstream(folder_ / "out.csv"));
+}
+
 TEST_F(Parts, PointsBesideThePatchDoNotPass) {
   const std::string part = folder_.put("part.toml", kPlane),
                     far = folder_.put("far.csv", "x,y,z\n200,200,3\n");
