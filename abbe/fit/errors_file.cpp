@@ -72,7 +72,8 @@ std::string thermal_comments(const FitJob& job, const ThermalFit& thermal) {
   for (const FitDrift& drift : job.drifts)
     text += comment(fmt::format("  {}: {} rows over {:.0f} min{}", drift.file, drift.times.size(),
                                 (drift.times.back() - drift.times.front()) / 60,
-                                drift.validation ? ", only to judge" : ""));
+                                drift.validation ? ", only to judge" : "") +
+                    (drift.settled ? ", taken to begin settled" : ", its state at the start not known"));
   for (const ThermalModel& model : thermal.models)
     text +=
         comment(fmt::format("  {}: drift {:.3g} rms, left {:.3g}{} {}", model.name, model.before, model.left,

@@ -32,7 +32,9 @@ ThermalColumns columns_of(const std::vector<DriftCourse>& courses, bool validati
 /// Slopes with their covariance, that of the lags included.
 struct Slopes {
   Eigen::VectorXd slope;
-  Eigen::MatrixXd covariance;  ///< of slopes, then of the lags above 0
+  Eigen::MatrixXd covariance;   ///< of slopes, then of the lags above 0
+  Eigen::MatrixXd sensitivity;  ///< of the readings to the same, beside zeros and starts
+  double variance = 0;          ///< of a reading
 };
 
 /// d (slope T_lagged) / d lag for every lag above 0, by differences of a hundredth of the lag.
@@ -49,6 +51,35 @@ Eigen::MatrixXd lag_columns(const ThermalColumns& columns, const std::vector<The
         (columns.temperature({inputs[i].sensor, lag + h}) - columns.temperature({inputs[i].sensor, lag - h}));
   }
   return out;
+}
+
+/// Adds what the starts do when a lag moves: d (start exp(-t / lag)) / d lag = start t / lag^2 exp(-t / lag).
+void add_starts_to_lag_columns(const LogFreedom& freedom, const std::vector<ThermalInput>& inputs,
+                               const ThermalColumns& columns, const Eigen::VectorXd& unexplained,
+                               Eigen::MatrixXd& lag_derivatives) {
+  for (std::size_t log = 0; log < freedom.logs(); ++log) {
+    if (!freedom.is_free(log)) continue;
+    const Eigen::VectorXd start = freedom.coefficients(log, unexplained);
+    const Eigen::MatrixXd& shape = freedom.shape(log);
+    const Eigen::VectorXd time = columns.since_start(log);
+    for (Eigen::Index k = 1; k < shape.cols(); ++k) {
+      const double lag = freedom.lags()[static_cast<std::size_t>(k - 1)];
+      // Inputs of one lag share a start; the first of them moves it.
+      Eigen::Index column = 0;
+      for (const ThermalInput& input : inputs) {
+        if (input.lag == lag) break;
+        if (input.lag > 0) ++column;
+      }
+      lag_derivatives.col(column).segment(freedom.first(log), shape.rows()) +=
+          start[k] / (lag * lag) * time.cwiseProduct(shape.col(k));
+    }
+  }
+}
+
+/// Every column without what zeros and starts can explain.
+Eigen::MatrixXd taken_off(const LogFreedom& freedom, Eigen::MatrixXd columns) {
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) columns.col(i) = freedom.taken_off(columns.col(i));
+  return columns;
 }
 
 Eigen::MatrixXd beside(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
@@ -71,19 +102,21 @@ class Modeller {
         search_(fitted, error) {}
 
   ThermalModel model() {
-    const std::vector<ThermalInput> inputs = choose();
-    const Eigen::MatrixXd A = fitted_.centred(inputs);
-    const Eigen::VectorXd y = fitted_.centred(fitted_.error(error_));
     ThermalModel out;
+    const std::vector<ThermalInput> inputs = told(choose(), out);
+    const LogFreedom freedom = fitted_.freedom(inputs);
+    const Eigen::MatrixXd A = taken_off(freedom, fitted_.temperatures(inputs));
+    const Eigen::VectorXd y = freedom.taken_off(fitted_.error(error_));
     out.name = thermal_.errors[static_cast<std::size_t>(error_)];
     out.rotation = read_error_name(out.name)->is_rotation();
-    out.before = rms(y);
+    out.before = rms(fitted_.centred(fitted_.error(error_)));
     out.noise = fitted_.noise(error_);
-    const Slopes slopes = solve(inputs, A, y);
+    const Slopes slopes = solve(inputs, freedom, A, y);
     out.left = rms(y - A * slopes.slope);
     out.crossed = std::sqrt(search_.crossed(inputs));
     judge(inputs, slopes, out);
     add_terms(inputs, slopes, out);
+    add_starts(freedom, inputs, slopes, out);
     out.u = uncertainty(inputs, slopes, out);
     out.misfit = out.left > kMisfit * out.noise && out.left > kMisfitShare * out.before;
     return out;
@@ -94,7 +127,20 @@ class Modeller {
     if (thermal_.model != FitThermal::Model::automatic)
       return choose_with(thermal_.model == FitThermal::Model::lag);
     const std::vector<ThermalInput> linear = choose_with(false), lagged = choose_with(true);
-    return search_.crossed(lagged) < kWorthIt * search_.crossed(linear) ? lagged : linear;
+    const LogFreedom freedom = fitted_.freedom(lagged);
+    return search_.crossed(lagged, freedom) < kWorthIt * search_.crossed(linear, freedom) ? lagged : linear;
+  }
+
+  /// The inputs whose part can be told from the starts of the logs; the others are named.
+  std::vector<ThermalInput> told(std::vector<ThermalInput> inputs, ThermalModel& out) const {
+    const LogFreedom freedom = fitted_.freedom(inputs);
+    const auto hidden = [&](const ThermalInput& input) {
+      return freedom.told(fitted_.temperature(input)).isZero(0);
+    };
+    for (const ThermalInput& input : inputs)
+      if (hidden(input)) out.undetermined.push_back(thermal_.sensors[input.sensor]);
+    inputs.erase(std::remove_if(inputs.begin(), inputs.end(), hidden), inputs.end());
+    return inputs;
   }
 
   std::vector<ThermalInput> choose_with(bool lags) {
@@ -110,24 +156,27 @@ class Modeller {
     return lags ? search_.with_lags(std::move(inputs)) : inputs;
   }
 
-  /// C = s^2 (J^T J)^-1 with J = [temperatures, derivatives by the lags], or that of ridge.
-  Slopes solve(const std::vector<ThermalInput>& inputs, const Eigen::MatrixXd& A, const Eigen::VectorXd& y) {
+  /// C = s^2 (J^T J)^-1 with J = [temperatures, derivatives by the lags] beside zeros and starts, or that of
+  /// ridge.
+  Slopes solve(const std::vector<ThermalInput>& inputs, const LogFreedom& logs, const Eigen::MatrixXd& A,
+               const Eigen::VectorXd& y) {
     Slopes out;
     const Ridge fit = fit_ridge(A, y, penalty(A, y));
     out.slope = fit.slope;
+    const Eigen::MatrixXd temperatures = fitted_.temperatures(inputs);
     Eigen::MatrixXd lags = lag_columns(fitted_, inputs, out.slope);
-    for (Eigen::Index i = 0; i < lags.cols(); ++i) lags.col(i) = fitted_.centred(lags.col(i));
+    add_starts_to_lag_columns(logs, inputs, fitted_, fitted_.error(error_) - temperatures * out.slope, lags);
+    out.sensitivity = beside(temperatures, lags);
     const Eigen::Index unknowns = A.cols() + lags.cols();
-    const auto freedom =
-        std::max<Eigen::Index>(1, A.rows() - unknowns - static_cast<Eigen::Index>(fitted_.logs()));
-    const double variance = (y - A * out.slope).squaredNorm() / static_cast<double>(freedom);
+    const auto freedom = std::max<Eigen::Index>(1, A.rows() - unknowns - logs.rank());
+    out.variance = (y - A * out.slope).squaredNorm() / static_cast<double>(freedom);
     if (lags.cols() == 0) {
-      out.covariance = variance * fit.covariance;
+      out.covariance = out.variance * fit.covariance;
       return out;
     }
-    const Eigen::MatrixXd J = beside(A, lags);
+    const Eigen::MatrixXd J = beside(A, taken_off(logs, lags));
     out.covariance =
-        variance * (J.transpose() * J).ldlt().solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
+        out.variance * (J.transpose() * J).ldlt().solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
     return out;
   }
 
@@ -155,9 +204,9 @@ class Modeller {
 
   void judge(const std::vector<ThermalInput>& inputs, const Slopes& slopes, ThermalModel& out) const {
     if (judging_.rows() == 0) return;
-    const Eigen::VectorXd y = judging_.centred(judging_.error(error_));
-    out.validated_before = rms(y);
-    out.validated = rms(y - judging_.centred(inputs) * slopes.slope);
+    const Eigen::VectorXd y = judging_.error(error_);
+    out.validated_before = rms(judging_.centred(y));
+    out.validated = rms(judging_.freedom(inputs).taken_off(y - judging_.temperatures(inputs) * slopes.slope));
   }
 
   void add_terms(const std::vector<ThermalInput>& inputs, const Slopes& slopes, ThermalModel& out) const {
@@ -169,14 +218,28 @@ class Modeller {
     }
   }
 
+  /// start = N^+ (y - J b),   its covariance s^2 (N^T N)^-1 + N^+ J C (N^+ J)^T
+  void add_starts(const LogFreedom& freedom, const std::vector<ThermalInput>& inputs, const Slopes& slopes,
+                  ThermalModel& out) const {
+    const Eigen::VectorXd unexplained = fitted_.error(error_) - fitted_.temperatures(inputs) * slopes.slope;
+    for (std::size_t log = 0; log < freedom.logs(); ++log) {
+      if (!freedom.is_free(log)) continue;
+      const Eigen::VectorXd start = freedom.coefficients(log, unexplained);
+      const Eigen::MatrixXd P = freedom.coefficients(log, slopes.sensitivity);
+      const Eigen::MatrixXd C =
+          slopes.variance * freedom.covariance(log) + P * slopes.covariance * P.transpose();
+      for (Eigen::Index k = 1; k < start.size(); ++k)
+        out.starts.push_back({log, freedom.lags()[static_cast<std::size_t>(k - 1)], start[k],
+                              std::sqrt(std::max(0.0, C(k, k)))});
+    }
+  }
+
   /// u^2 = max over the logs of j C j^T, j = [T - reference, d / d lag], + what unseen logs show beyond the
   /// noise
   double uncertainty(const std::vector<ThermalInput>& inputs, const Slopes& slopes,
                      const ThermalModel& out) const {
-    Eigen::MatrixXd J(fitted_.rows(), static_cast<Eigen::Index>(inputs.size()));
-    for (std::size_t i = 0; i < inputs.size(); ++i)
-      J.col(static_cast<Eigen::Index>(i)) = fitted_.temperature(inputs[i]).array() - thermal_.reference;
-    J = beside(J, lag_columns(fitted_, inputs, slopes.slope));
+    const Eigen::MatrixXd J = beside((fitted_.temperatures(inputs).array() - thermal_.reference).matrix(),
+                                     lag_columns(fitted_, inputs, slopes.slope));
     const double model =
         inputs.empty() ? 0 : (J * slopes.covariance).cwiseProduct(J).rowwise().sum().maxCoeff();
     const double unseen = out.validated.value_or(out.crossed);

@@ -16,6 +16,13 @@ struct ThermalTerm {
   double lo = 0, hi = 0;    ///< degC, of the (lagged) temperature in the logs fitted: the range of validity
 };
 
+/// What an error held at the start of a log from before it, dying away with a lag.
+struct ThermalStart {
+  std::size_t log = 0;      ///< number among the logs fitted, from 0
+  double lag = 0;           ///< s
+  double value = 0, u = 0;  ///< um or urad at the first row, beside a start in equilibrium
+};
+
 /// An error as a function of temperatures, zero at the reference:
 ///
 ///   e = sum_s slope_s (T_s,lagged - reference)
@@ -23,6 +30,8 @@ struct ThermalModel {
   std::string name;
   bool rotation = false;
   std::vector<ThermalTerm> terms;
+  std::vector<ThermalStart> starts;       ///< of every log fitted whose start is not known, for every lag
+  std::vector<std::string> undetermined;  ///< sensors asked for whose part cannot be told from the starts
   double before = 0;   ///< rms of the drift in the logs fitted, each about its mean; um or urad
   double noise = 0;    ///< of the readings, from second differences
   double left = 0;     ///< rms of what the model leaves of the same logs
@@ -44,17 +53,21 @@ struct ThermalFit {
 
 /// Models of every error that drifts.
 ///
-///   groups      sensors whose correlation is above `correlated`; of each group the one that follows the
-///   error best stepwise    the sensor that lowers the cross-validated square most, as long as it takes a
-///   tenth of it away ridge       one sensor of each group, slopes shrunk; the penalty by cross-validation
-///   (fit_ridge) all         every sensor of the job that changes lag         each input through a
-///   first-order lag of its own, found by a search over time constants on a
-///               logarithmic grid, one after the other until none moves, then refined; taken (model
-///               automatic) if that lowers the cross-validated square by a tenth
+/// - groups: sensors whose correlation is above `correlated`; of each group the one that follows the error
+/// best
+/// - stepwise: the sensor that lowers the cross-validated square most, as long as it takes a tenth of it away
+/// - ridge: one sensor of each group, slopes shrunk; the penalty by cross-validation (fit_ridge)
+/// - all: every sensor of the job that changes
+/// - lag: each input through a first-order lag of its own, found by a search over time constants on a
+///   logarithmic grid, one after the other until none moves, then refined; taken (model automatic) if that
+///   lowers the cross-validated square by a tenth
+///
+/// A log that is not settled may begin with a machine that remembers what was before: each lag has one
+/// unknown start per log (LogFreedom), found with the slopes, in their covariance, and no part of the model.
 ///
 /// Cross-validation leaves out blocks of time, not single rows: rows beside each other know each other.
 /// laws     FindsSlopesAndLags, MisspecifiedModelIsFlagged, IntervalsCoverTheTruth,
-///          NeverUsesValidationLogs
+///          NeverUsesValidationLogs, WarmStartsGiveTheSlopesOfColdOnes
 /// cost     time constants * inputs * rows for each model tried
 /// source   docs/theory/measurement.md, section 7
 [[nodiscard]] ThermalFit fit_thermal(const FitThermal& thermal, const std::vector<DriftCourse>& courses);

@@ -174,7 +174,7 @@ std::string text_of(const FitAnswer& answer) {
     if (!missing.like.empty() || missing.asked)
       text += fmt::format("  {:<6} not determined: {}\n", missing.name,
                           missing.like.empty() ? "nothing shows it" : "like " + listed_names(missing.like));
-  return text + thermal_text(answer.thermal);
+  return text + thermal_text(answer.job, answer.thermal);
 }
 
 void write_found(JsonWriter& json, const FitResult& result) {
@@ -227,7 +227,7 @@ std::string json_of(const FitAnswer& answer) {
         .member("u", value.u)
         .end();
   json.end();
-  if (!answer.thermal.models.empty()) write_thermal(json, answer.thermal);
+  if (!answer.thermal.models.empty()) write_thermal(json, answer.job, answer.thermal);
   json.end();
   return json.take();
 }

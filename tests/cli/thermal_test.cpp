@@ -76,6 +76,22 @@ TEST_F(Thermal, LogsBecomeErrorsThatALogAnswers) {
   EXPECT_GT(std::abs(z_of("hidden.toml")), 2e-3);
 }
 
+TEST_F(Thermal, LogsMayBeginWarm) {
+  ASSERT_EQ(run({"simulate", "drift", job_, "--errors", "hidden.toml", "--seed", "2"}).exit, 0);
+  std::ifstream cold(folder_ / "a.csv");
+  std::string warm;
+  int row = 0;
+  for (std::string line; std::getline(cold, line); ++row)
+    if (row == 0 || row > 100) warm += line + '\n';
+  folder_.put("a.csv", warm);
+  const json model = ask({"fit", job_})["thermal"]["models"][0];
+  ASSERT_EQ(model["terms"].size(), 1U);
+  EXPECT_NEAR(model["terms"][0]["slope_per_K"].get<double>(), 3, 0.3);
+  EXPECT_NEAR(model["terms"][0]["lag_s"].get<double>(), 1800, 200);
+  ASSERT_EQ(model["starts"].size(), 1U);
+  EXPECT_THAT(run({"fit", job_}).out, HasSubstr("left over when " + folder_ / "a.csv" + " began"));
+}
+
 TEST_F(Thermal, ShortLogsAreWarnedOf) {
   folder_.put("log.csv", "time [min],spindle [degC]\n0,20\n10,25\n");
   const ProgramRun run_short = run(
