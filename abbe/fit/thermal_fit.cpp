@@ -34,7 +34,16 @@ struct Slopes {
   Eigen::VectorXd slope;
   Eigen::MatrixXd covariance;   ///< of slopes, then of the lags above 0
   Eigen::MatrixXd sensitivity;  ///< of the readings to the same, beside zeros and starts
-  double variance = 0;          ///< of a reading
+  Eigen::MatrixXd gain;         ///< slopes, then lags, from the readings
+  Eigen::VectorXd residual;     ///< of the readings
+  double freedom = 1;
+  double variance = 0;  ///< of a reading
+};
+
+/// A model and where its slopes come from.
+struct Modelled {
+  ThermalModel model;
+  Slopes slopes;
 };
 
 /// d (slope T_lagged) / d lag for every lag above 0, by differences of a hundredth of the lag.
@@ -89,6 +98,11 @@ Eigen::MatrixXd beside(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return out;
 }
 
+/// j C j^T of every row.
+Eigen::VectorXd variances(const Eigen::MatrixXd& J, const Eigen::MatrixXd& C) {
+  return (J * C).cwiseProduct(J).rowwise().sum();
+}
+
 /// One error's model from its logs.
 class Modeller {
  public:
@@ -101,7 +115,7 @@ class Modeller {
         error_(error),
         search_(fitted, error) {}
 
-  ThermalModel model() {
+  Modelled model() {
     ThermalModel out;
     const std::vector<ThermalInput> inputs = told(choose(), out);
     const LogFreedom freedom = fitted_.freedom(inputs);
@@ -111,15 +125,15 @@ class Modeller {
     out.rotation = read_error_name(out.name)->is_rotation();
     out.before = rms(fitted_.centred(fitted_.error(error_)));
     out.noise = fitted_.noise(error_);
-    const Slopes slopes = solve(inputs, freedom, A, y);
-    out.left = rms(y - A * slopes.slope);
+    Slopes slopes = solve(inputs, freedom, A, y);
+    out.left = rms(slopes.residual);
     out.crossed = std::sqrt(search_.crossed(inputs));
     judge(inputs, slopes, out);
     add_terms(inputs, slopes, out);
     add_starts(freedom, inputs, slopes, out);
-    out.u = uncertainty(inputs, slopes, out);
+    add_uncertainty(inputs, slopes, out);
     out.misfit = out.left > kMisfit * out.noise && out.left > kMisfitShare * out.before;
-    return out;
+    return {std::move(out), std::move(slopes)};
   }
 
  private:
@@ -156,8 +170,8 @@ class Modeller {
     return lags ? search_.with_lags(std::move(inputs)) : inputs;
   }
 
-  /// C = s^2 (J^T J)^-1 with J = [temperatures, derivatives by the lags] beside zeros and starts, or that of
-  /// ridge.
+  /// C = s^2 G G^T,   G = (J^T J)^-1 J^T with J = [temperatures, derivatives by the lags] beside zeros and
+  /// starts, or that of ridge.
   Slopes solve(const std::vector<ThermalInput>& inputs, const LogFreedom& logs, const Eigen::MatrixXd& A,
                const Eigen::VectorXd& y) {
     Slopes out;
@@ -168,15 +182,16 @@ class Modeller {
     add_starts_to_lag_columns(logs, inputs, fitted_, fitted_.error(error_) - temperatures * out.slope, lags);
     out.sensitivity = beside(temperatures, lags);
     const Eigen::Index unknowns = A.cols() + lags.cols();
-    const auto freedom = std::max<Eigen::Index>(1, A.rows() - unknowns - logs.rank());
-    out.variance = (y - A * out.slope).squaredNorm() / static_cast<double>(freedom);
+    out.freedom = static_cast<double>(std::max<Eigen::Index>(1, A.rows() - unknowns - logs.rank()));
+    out.residual = y - A * out.slope;
+    out.variance = out.residual.squaredNorm() / out.freedom;
     if (lags.cols() == 0) {
-      out.covariance = out.variance * fit.covariance;
-      return out;
+      out.gain = fit.gain;
+    } else {
+      const Eigen::MatrixXd J = beside(A, taken_off(logs, lags));
+      out.gain = (J.transpose() * J).ldlt().solve(J.transpose());
     }
-    const Eigen::MatrixXd J = beside(A, taken_off(logs, lags));
-    out.covariance =
-        out.variance * (J.transpose() * J).ldlt().solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
+    out.covariance = out.variance * out.gain * out.gain.transpose();
     return out;
   }
 
@@ -236,14 +251,16 @@ class Modeller {
 
   /// u^2 = max over the logs of j C j^T, j = [T - reference, d / d lag], + what unseen logs show beyond the
   /// noise
-  double uncertainty(const std::vector<ThermalInput>& inputs, const Slopes& slopes,
-                     const ThermalModel& out) const {
-    const Eigen::MatrixXd J = beside((fitted_.temperatures(inputs).array() - thermal_.reference).matrix(),
-                                     lag_columns(fitted_, inputs, slopes.slope));
-    const double model =
-        inputs.empty() ? 0 : (J * slopes.covariance).cwiseProduct(J).rowwise().sum().maxCoeff();
+  void add_uncertainty(const std::vector<ThermalInput>& inputs, const Slopes& slopes,
+                       ThermalModel& out) const {
+    const Eigen::MatrixXd T = (fitted_.temperatures(inputs).array() - thermal_.reference).matrix();
+    const Eigen::MatrixXd J = beside(T, lag_columns(fitted_, inputs, slopes.slope));
+    const Eigen::VectorXd all = variances(J, slopes.covariance),
+                          alone = variances(T, slopes.covariance.topLeftCorner(T.cols(), T.cols()));
     const double unseen = out.validated.value_or(out.crossed);
-    return std::sqrt(std::max(0.0, model) + std::max(0.0, unseen * unseen - out.noise * out.noise));
+    const double beyond = std::max(0.0, unseen * unseen - out.noise * out.noise);
+    out.u = std::sqrt(std::max(0.0, all.maxCoeff()) + beyond);
+    out.beyond_slopes = std::sqrt(std::max(0.0, (all - alone).maxCoeff()) + beyond);
   }
 
   const FitThermal& thermal_;
@@ -252,6 +269,25 @@ class Modeller {
   Eigen::Index error_;
   ThermalSearch search_;
 };
+
+/// C_kl = s_kl G_k G_l^T over the slopes of all models.
+Eigen::MatrixXd joint_covariance(const std::vector<Slopes>& models) {
+  Eigen::Index size = 0;
+  for (const Slopes& slopes : models) size += slopes.slope.size();
+  Eigen::MatrixXd C(size, size);
+  Eigen::Index row = 0;
+  for (const Slopes& k : models) {
+    Eigen::Index column = 0;
+    for (const Slopes& l : models) {
+      const double s_kl = k.residual.dot(l.residual) / std::sqrt(k.freedom * l.freedom);
+      C.block(row, column, k.slope.size(), l.slope.size()) =
+          s_kl * k.gain.topRows(k.slope.size()) * l.gain.topRows(l.slope.size()).transpose();
+      column += l.slope.size();
+    }
+    row += k.slope.size();
+  }
+  return C;
+}
 
 bool is_finite(const ThermalModel& model) {
   return std::isfinite(model.u + model.left + model.before) &&
@@ -289,10 +325,14 @@ ThermalFit fit_thermal(const FitThermal& thermal, const std::vector<DriftCourse>
   for (std::size_t s = 0; s < thermal.sensors.size(); ++s)
     if (!(temperatures.col(static_cast<Eigen::Index>(s)).norm() > 0)) out.still.push_back(thermal.sensors[s]);
   out.outside = outside(thermal, fitted, judging);
+  std::vector<Slopes> slopes;
   for (std::size_t k = 0; k < thermal.errors.size(); ++k) {
-    out.models.push_back(Modeller(thermal, fitted, judging, groups, static_cast<Eigen::Index>(k)).model());
-    out.finite = out.finite && is_finite(out.models.back());
+    Modelled found = Modeller(thermal, fitted, judging, groups, static_cast<Eigen::Index>(k)).model();
+    out.finite = out.finite && is_finite(found.model);
+    out.models.push_back(std::move(found.model));
+    slopes.push_back(std::move(found.slopes));
   }
+  out.covariance = joint_covariance(slopes);
   if (!out.finite) out.models.clear();
   return out;
 }

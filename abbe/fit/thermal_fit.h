@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +41,9 @@ struct ThermalModel {
   /// Standard uncertainty of the error within the range of validity: that of the slopes and lags, and what
   /// the model leaves of unseen logs (else blocks) beyond the noise.
   double u = 0;
+  /// The part of u that is not of the slopes: what the uncertainty of the lags adds to theirs at worst, and
+  /// what the model leaves of unseen logs beyond the noise.
+  double beyond_slopes = 0;
   bool misfit = false;  ///< leaves more than noise: a heat source, a lag or a sensor is missing
 };
 
@@ -48,7 +52,10 @@ struct ThermalFit {
   std::vector<std::string> still;                ///< sensors that did not change
   std::vector<std::string> outside;  ///< sensors whose validation logs leave the range of those fitted
   std::vector<ThermalModel> models;  ///< in the order of FitThermal::errors
-  bool finite = true;                ///< false: numbers too large; no models
+  /// Of the slopes of all terms of all models in their order, um or urad per K; errors that are found from
+  /// the same readings are uncertain together.
+  Eigen::MatrixXd covariance;
+  bool finite = true;  ///< false: numbers too large; no models
 };
 
 /// Models of every error that drifts.
@@ -62,12 +69,18 @@ struct ThermalFit {
 ///   logarithmic grid, one after the other until none moves, then refined; taken (model automatic) if that
 ///   lowers the cross-validated square by a tenth
 ///
+/// Slopes of two errors k, l are uncertain together by what both leave, r, and how they come from the
+/// readings:
+///
+///   C_kl = s_kl G_k G_l^T,   slope_k = G_k y_k,   s_kl = r_k . r_l / sqrt(freedom_k freedom_l)
+///
 /// A log that is not settled may begin with a machine that remembers what was before: each lag has one
 /// unknown start per log (LogFreedom), found with the slopes, in their covariance, and no part of the model.
 ///
 /// Cross-validation leaves out blocks of time, not single rows: rows beside each other know each other.
 /// laws     FindsSlopesAndLags, MisspecifiedModelIsFlagged, IntervalsCoverTheTruth,
-///          NeverUsesValidationLogs, WarmStartsGiveTheSlopesOfColdOnes
+///          NeverUsesValidationLogs, WarmStartsGiveTheSlopesOfColdOnes,
+///          SlopesOfSharedReadingsAreUncertainTogether
 /// cost     time constants * inputs * rows for each model tried
 /// source   docs/theory/measurement.md, section 7
 [[nodiscard]] ThermalFit fit_thermal(const FitThermal& thermal, const std::vector<DriftCourse>& courses);

@@ -221,6 +221,26 @@ TEST(ThermalFit, JudgingLogsMayBeginWarm) {
   EXPECT_GT(validated(), 0.6);
 }
 
+TEST(ThermalFit, SlopesOfSharedReadingsAreUncertainTogether) {
+  Log log(3, 121, 240, {5, 45});
+  log.set_error(2 * log.lagged(0, 0) - 3 * log.lagged(1, 0), 0.3, 9);
+  FitThermal thermal = asked(2, FitThermal::Selection::all, FitThermal::Model::linear);
+  thermal.errors = {"TZS", "TAS"};
+  // What disturbs one reading disturbs both errors: the tilt by half of it, the other way.
+  const Eigen::VectorXd noise = log.course.errors.col(0) - (2 * log.lagged(0, 0) - 3 * log.lagged(1, 0));
+  log.course.errors.conservativeResize(Eigen::NoChange, 2);
+  log.course.errors.col(1) = log.lagged(1, 0) - noise / 2;
+  const ThermalFit fit = fit_thermal(thermal, {log.course});
+  ASSERT_EQ(fit.covariance.rows(), 4);
+  const Eigen::Matrix2d own = fit.covariance.topLeftCorner<2, 2>();
+  EXPECT_TRUE(fit.covariance.topRightCorner(2, 2).isApprox(-own / 2, 1e-9));
+  EXPECT_TRUE(fit.covariance.bottomRightCorner(2, 2).isApprox(own / 4, 1e-9));
+  for (std::size_t i = 0; i < 2; ++i)
+    EXPECT_NEAR(fit.models[0].terms[i].u,
+                std::sqrt(own(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i))), 1e-12);
+  EXPECT_LT(fit.models[0].beyond_slopes, fit.models[0].u);
+}
+
 TEST(ThermalFit, StepsThatStartsExplainAreNamed) {
   // The temperature steps between the first rows and stays: lagged, it is a constant and a start.
   constexpr int kRows = 2000;

@@ -131,7 +131,8 @@ std::optional<FitAnswer> answer_of(const std::string& path, const FitArguments& 
     return std::nullopt;
   }
   answer.errors = write_errors_file(answer.job, answer.result, answer.thermal);
-  if (arguments.covariance) answer.errors += write_uncertainty_modes(answer.result);
+  if (arguments.covariance)
+    answer.errors += write_uncertainty_modes(answer.job, answer.result, answer.thermal);
   const std::optional<Machine> machine = read_back(answer, session);
   if (!machine) return std::nullopt;
   answer.second_order = second_order(*machine, answer.observations);

@@ -92,6 +92,21 @@ TEST_F(Thermal, LogsMayBeginWarm) {
   EXPECT_THAT(run({"fit", job_}).out, HasSubstr("left over when " + folder_ / "a.csv" + " began"));
 }
 
+TEST_F(Thermal, MapsAreAsUncertainAsTheirTemperatures) {
+  ASSERT_EQ(run({"simulate", "drift", job_, "--errors", "hidden.toml", "--seed", "2"}).exit, 0);
+  const json fit = ask({"fit", job_, "--covariance", "-o", folder_ / "errors.toml"})["thermal"]["models"][0];
+  const std::string variable = fit["terms"][0]["variable"];
+  const auto u_z = [&](int degrees) {
+    return ask({"map", "mill.toml", "--errors", "errors.toml", "--count", "2", "--trials", "0", "--set",
+                variable + "=" + std::to_string(degrees),
+                "--uncertainty"})["uncertainty"]["first_order"]["max_u_um"][2]
+        .get<double>();
+  };
+  const double u = fit["terms"][0]["u"], beyond = u_z(20);
+  EXPECT_GT(beyond, 0);
+  EXPECT_NEAR(u_z(26), std::hypot(beyond, 6 * u), 1e-3 * u_z(26));
+}
+
 TEST_F(Thermal, ShortLogsAreWarnedOf) {
   folder_.put("log.csv", "time [min],spindle [degC]\n0,20\n10,25\n");
   const ProgramRun run_short = run(
