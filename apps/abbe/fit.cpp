@@ -267,7 +267,9 @@ std::string unlike_first(const FitJob& first, const FitJob& job) {
   if (job.machine.sha256 != first.machine.sha256) return "it is of another machine file than " + first.file;
   if (job.reference != first.reference)
     return "its functions are zero at another [reference] than those of " + first.file;
-  return job.drifts.empty() ? "" : "it has [[drift]], which is fitted by a job of its own";
+  return job.drifts.empty() ? ""
+                            : "it has [[drift]]: its log sees the grids too, so that one file of both would "
+                              "count them twice";
 }
 
 /// True if the errors read back, and what they depend on is a sensor: an axis would be read as its position.
@@ -288,7 +290,8 @@ void run_states(const FitArguments& arguments, Session& session) {
     session.report(about_job(job, Severity::error, "E-FIT-STATES", std::move(message), why, fix));
   };
   if (arguments.covariance) {
-    session.report(option_error("--covariance", "grids of several states have no modes of uncertainty",
+    session.report(option_error("--covariance",
+                                "what the states share (scales, squares) is not known, so there are no modes",
                                 "leave it out: [uncertainty] is written"));
     return;
   }
