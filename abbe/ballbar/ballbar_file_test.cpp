@@ -138,7 +138,8 @@ TEST(BallbarFile, MistakesAreNamed) {
   EXPECT_THAT(found(constant), HasSubstr("W-BALLBAR"));
 }
 
-TEST(BallbarFile, SwappedAxesAreSeenInThePositions) {
+/// Radius 100 mm, every 5 degrees.
+BallbarTest of_sixty_samples() {
   BallbarTest test;
   test.radius = 100;
   test.feed = 20;
@@ -146,9 +147,15 @@ TEST(BallbarFile, SwappedAxesAreSeenInThePositions) {
   for (int i = 0; i < 60; ++i) {
     run.angle.push_back(i * 5 * deg);
     run.deviation.push_back(i * 1e-5);
-    run.actual.push_back(100 * radial_direction({1, 0}, i * 5 * deg));
   }
   test.runs = {run};
+  return test;
+}
+
+TEST(BallbarFile, SwappedAxesAreSeenInThePositions) {
+  BallbarTest test = of_sixty_samples();
+  BallbarRun& run = test.runs[0];
+  for (const double angle : run.angle) run.actual.push_back(100 * radial_direction({1, 0}, angle));
   const auto read = read_ballbar("a.csv", write_ballbar(test));
   EXPECT_FALSE(read.value);
   EXPECT_THAT(codes(read), HasSubstr("E-AXES"));
@@ -158,16 +165,10 @@ TEST(BallbarFile, SwappedAxesAreSeenInThePositions) {
 // 3 per cent more counts per mm: inside the tolerance of positions, but no command of this circle.
 TEST(BallbarFile, CommandsOfAnotherRadiusAreRefused) {
   const auto found = [](double scale) {
-    BallbarTest test;
-    test.radius = 100;
-    test.feed = 20;
-    BallbarRun run;
-    for (int i = 0; i < 60; ++i) {
-      run.angle.push_back(i * 5 * deg);
-      run.deviation.push_back(i * 1e-5);
-      run.commanded.push_back(scale * 100 * radial_direction({0, 1}, i * 5 * deg));
-    }
-    test.runs = {run};
+    BallbarTest test = of_sixty_samples();
+    BallbarRun& run = test.runs[0];
+    for (const double angle : run.angle)
+      run.commanded.push_back(scale * 100 * radial_direction({0, 1}, angle));
     return codes(read_ballbar("a.csv", write_ballbar(test)));
   };
   EXPECT_EQ(found(1.005), "");

@@ -297,8 +297,6 @@ TEST(Joint, IntervalsCoverTheTruth) {
 }
 
 TEST(Joint, UnmodelledCyclicErrorIsFlagged) {
-  std::string text = kColumn + kErrors;
-  text.replace(text.find("EYX ="), 5, "EYX = 0\nEZX =");
   std::string cyclic = kColumn + kErrors;
   cyclic.replace(cyclic.find("EXX = ["), 7, "EXX = [ { sine = [0.3, 1.2566, 0.4] },");
   const Machine machine = machine_of(kColumn + kErrors), spoiled = machine_of(cyclic);

@@ -220,7 +220,8 @@ void report_rows(const DecodeReport& r, const CaptureArguments& arguments,
     warn("W-CAPTURE-SHORT",
          fmt::format("{} cycles left out because a frame of them is missing, {} because they have no time",
                      r.incomplete_rows, r.untimed_rows),
-         "a row needs all its signals of one moment");
+         "a row needs all its signals of one moment",
+         r.rows == 0 ? "choose signals that go together with --columns; see --summary" : "");
   if (r.gap_count > 0) {
     const Gap& g = r.gaps.front();
     warn("W-CAPTURE-GAP",

@@ -239,6 +239,8 @@ TEST_F(Identify, WrongInputIsNamed) {
   refused({"identifiability", mill_, "--test", plan, "--reversal-ms", "100000"},
           "fewer samples than unknowns");
   refused({"simulate", "ballbar", lathe, "--test", plan, "--out", folder_ / "x"}, "no linear axis Y");
+  const std::string one = simulate()[0], copy = folder_.put("copy.csv", content(one));
+  refused({"identify", mill_, one, copy}, "again");
   const std::string small = folder_.put("small.toml", kMill + "[axis.Y]\nrange = [-90, 200]\n");
   const std::string out = folder_ / "x";
   refused({"simulate", "ballbar", small, "--test", plan, "--out", out}, "leaves the travel of Y");
