@@ -18,7 +18,6 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 
 constexpr double kDigits = 1.2e-4;  // mm: rounding of the program, a few digits of 0.1 um
-constexpr double kChord = 1e-3;     // mm: default tolerance of tool paths
 
 const std::string kMill = R"(format = 1
 [machine]
