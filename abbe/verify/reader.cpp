@@ -286,8 +286,9 @@ struct ProgramReader::State {
       fault.column += text.size() - words.size();
       return refuse();
     }
+    // conversational programs have their header behind BEGIN PGM
+    if (says_something && !(conversational && first_block)) at_top = false;
     if (says_something || numbered) first_block = false;
-    if (says_something) at_top = false;
     if (!control.execute(block, fault)) return refuse();
     has_block = true;
     motion_given = false;
