@@ -15,6 +15,8 @@ namespace {
 constexpr double kLookSpacing = 10;  // mm along an arc
 constexpr int kFewestLooks = 24;
 constexpr int kMostChords = 4096;
+// Of the interpolation's share: so much may be missing across an arc, the rest is for its plane.
+constexpr double kAcross = 0.7;
 
 }  // namespace
 
@@ -89,7 +91,7 @@ std::optional<bool> Rewriter::leaves_plane(const Arc& nominal, double height) {
     const Vec3 at = in_.frames.to_machine(nominal.at(static_cast<double>(k) / looks));
     const auto c = correction_at(at, withheld_, approach_);
     if (!c) return std::nullopt;
-    if (std::abs(out_.frames.to_program(at + *c).z() - height) > interpolation_) return true;
+    if (std::abs(out_.frames.to_program(at + *c).z() - height) > kAcross * interpolation_) return true;
   }
   return false;
 }

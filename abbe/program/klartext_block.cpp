@@ -106,14 +106,23 @@ class KlartextLine {
   /// The word at `begin` is not one of ours: what the profile says of it.
   [[nodiscard]] BlockError strange(std::size_t begin, std::size_t length) const {
     const std::string_view said = text_.substr(begin, std::max<std::size_t>(1, length));
-    if (said[0] == 'Q' && length == 1) return not_literal(begin, 1, said);
-    if (const Profile::Keyword* keyword = find_keyword(profile_, said)) return refused(*keyword, begin, length);
+    const bool variable = (length == 1 && said[0] == 'Q') || (length == 2 && said[1] == 'Q');  // Q5, FQ5
+    if (variable) return not_literal(begin, length, said);
+    if (const Profile::Keyword* keyword = find_keyword(profile_, said))
+      return refused(*keyword, begin, length);
     if (length == 0) {
       const auto byte = static_cast<unsigned char>(said[0]);
-      return {"E-CHAR", begin, 1, fmt::format("byte 0x{:02X} where a word should begin", byte),
-              "what the block does is not known", "remove it, or put it behind ';'"};
+      return {"E-CHAR",
+              begin,
+              1,
+              fmt::format("byte 0x{:02X} where a word should begin", byte),
+              "what the block does is not known",
+              "remove it, or put it behind ';'"};
     }
-    return {"E-GCODE", begin, length, fmt::format("{} is not known to the {} profile", said, profile_.title),
+    return {"E-GCODE",
+            begin,
+            length,
+            fmt::format("{} is not known to the {} profile", said, profile_.title),
             "a word that is not understood may move the machine or change a frame",
             "remove it, or post without it"};
   }
@@ -121,8 +130,12 @@ class KlartextLine {
                                    std::size_t length) const {
     const CodeUse& use = profile_.g[keyword.index];
     if (use.refusal == 0) {
-      return {"E-GCODE", begin, length, fmt::format("{} in a form that is not known", keyword.name),
-              "what it does depends on what stands with it", "remove it, or post without it"};
+      return {"E-GCODE",
+              begin,
+              length,
+              fmt::format("{} in a form that is not known", keyword.name),
+              "what it does depends on what stands with it",
+              "remove it, or post without it"};
     }
     const CodeRefusal& refusal = profile_.refusals[use.refusal - 1U];
     return {refusal.error.empty() ? "E-GCODE" : refusal.error.c_str(), begin,       length,
@@ -130,7 +143,8 @@ class KlartextLine {
   }
   [[nodiscard]] BlockError wrong(const char* code, std::size_t begin, std::string message, const char* why,
                                  const char* fix) const {
-    return {code, begin, std::max<std::size_t>(1, end_ - std::min(end_, begin)), std::move(message), why, fix};
+    return {code, begin, std::max<std::size_t>(1, end_ - std::min(end_, begin)), std::move(message),
+            why,  fix};
   }
 
   std::optional<BlockError> add(char letter, std::size_t begin, std::size_t number, std::size_t end,
@@ -260,7 +274,8 @@ class KlartextLine {
         error = read_value('M', begin);
         Word& code = block_.words[static_cast<std::size_t>(block_.count) - 1];
         if (!error && code.value == 91) error = make_machine_place(code);
-      } else if (word == "R" && at_ < end_ && text_[at_] == '0' && (at_ + 1 == end_ || is_blank(text_[at_ + 1]))) {
+      } else if (word == "R" && at_ < end_ && text_[at_] == '0' &&
+                 (at_ + 1 == end_ || is_blank(text_[at_ + 1]))) {
         error = add('G', begin, begin, ++at_, kNoRadius);
       } else if (word == "S") {
         error = read_value('S', begin);
@@ -350,8 +365,8 @@ class KlartextLine {
     if (auto error = read_value('R', begin)) return error;
     block_.count = count;
     if (block_.words[static_cast<std::size_t>(count)].value == 0) return std::nullopt;
-    return wrong("E-TOOL", begin, "a tool with an allowance (DL, DR)", "its length is not that of the tool table",
-                 "put the length into the tool table");
+    return wrong("E-TOOL", begin, "a tool with an allowance (DL, DR)",
+                 "its length is not that of the tool table", "put the length into the tool table");
   }
   std::optional<BlockError> read_tool_definition() {
     skip_blanks();
@@ -435,8 +450,8 @@ class KlartextLine {
     skip_blanks();
     const bool assigned = at_ < end_ && text_[at_] == '=';
     if (parameter != kPreset || !assigned)
-      return wrong("E-WCS", begin, "a parameter of CYCL DEF 247 that is not Q339=..", "the frame is not known",
-                   "write Q339=+1");
+      return wrong("E-WCS", begin, "a parameter of CYCL DEF 247 that is not Q339=..",
+                   "the frame is not known", "write Q339=+1");
     ++at_;
     if (auto error = add_code(*context_.definition, begin, at)) return error;
     if (auto error = read_value('P', begin)) return error;

@@ -10,7 +10,7 @@ namespace abbe {
 
 /// A block may go on over several lines: all but the last end with '~'.
 struct KlartextContext {
-  bool open = false;                           ///< the next line belongs to the same block
+  bool open = false;                             ///< the next line belongs to the same block
   const Profile::Keyword* definition = nullptr;  ///< the cycle that it defines
   bool comma = false;                            ///< numbers of the program have commas
 };
@@ -26,11 +26,12 @@ struct KlartextContext {
 [[nodiscard]] std::optional<BlockError> read_klartext_block(std::string_view line, const Profile& profile,
                                                             KlartextContext& context, Block& block);
 
-/// Bytes of the block number at the start of a line with the blanks around it; 0: there is none.
+/// The number at the start of a line.
 struct BlockNumber {
   std::size_t begin = 0, end = 0;  ///< of the digits
   unsigned long value = 0;
 };
+/// errors   nullopt: there is none, or one of more than nine digits
 [[nodiscard]] std::optional<BlockNumber> read_block_number(std::string_view line);
 
 }  // namespace abbe

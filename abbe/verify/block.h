@@ -33,7 +33,8 @@ constexpr Letters letters(Char... letter) {
   return (letter_bit(letter) | ...);
 }
 
-/// What the lines before leave open in a conversational program: a block ends with the first line without '~'.
+/// What the lines before leave open in a conversational program: a block ends with the first line without
+/// '~'.
 struct Continued {
   bool open = false;
   bool preset = false;  ///< the block is CYCL DEF 247
@@ -74,9 +75,9 @@ struct Block {
   Letters pointless = 0;  ///< words whose number has no point, where that matters
   int tcp_code = -1;      ///< 10 times the number of a code that switches tool centre point control
   char tcp_letter = 'G';
-  bool tcp = false;            ///< on or off
-  bool deletable = false;      ///< starts with '/'
-  std::string_view tool_name;  ///< T="..", without quotes; the T word is then 0
+  bool tcp = false;              ///< on or off
+  bool deletable = false;        ///< starts with '/'
+  std::string_view tool_name;    ///< T="..", without quotes; the T word is then 0
   std::uint32_t increments = 0;  ///< axes whose word is a distance by itself (IX), bits 0 1 2 = X Y Z
   enum class Pole : std::uint8_t { none, set, used };
   Pole pole = Pole::none;  ///< CC X Y: sets the centre of the arcs that follow; C: goes about it

@@ -132,7 +132,7 @@ class Control {
   int plane_ = 170, feed_mode_ = 940, mode_ = 800;
   double feed_ = 0;
   bool set_pole();
-  std::optional<std::array<double, 2>> pole_;  ///< of CC, in u
+  std::optional<std::array<double, 2>> pole_;                                   ///< of CC, in u
   bool incremental_ = false, absolute_centres_ = false, retracts_to_r_ = true;  // G99: so LinuxCNC starts
   std::optional<Vec3> saved_g92_;
   std::optional<double> cycle_r_, cycle_z_, cycle_p_, cycle_q_;

@@ -77,8 +77,8 @@ class KlartextScanner : public WordTaker {
       if (at == std::string_view::npos) break;
       const std::size_t end = std::min(rest.size(), rest.find_first_of(kBlanks, at));
       if (count_ == kMostItems)
-        return bad(rest.substr(at, 1), "E-BLOCK", "too many words in a block", "no control accepts such a block",
-                   "use two blocks");
+        return bad(rest.substr(at, 1), "E-BLOCK", "too many words in a block",
+                   "no control accepts such a block", "use two blocks");
       items_[count_++] = rest.substr(at, end - at);
       at = end;
     }
@@ -103,7 +103,8 @@ class KlartextScanner : public WordTaker {
     }
     if ((first == "CYCL" || first == "CYCLE") && item(1) == "DEF") return definition();
     if (first == "CYCL" && item(1) == "CALL")
-      return bad(first, "E-CYCLE", "a call of a cycle", "the control makes its motions", "post lines and arcs");
+      return bad(first, "E-CYCLE", "a call of a cycle", "the control makes its motions",
+                 "post lines and arcs");
     if ((first == "BEGIN" || first == "END") && item(1) == "PGM") return limit(first);
     if (first == "BLK" || first == "LBL") return keep_text(whole_);
     if (first == "STOP") {
@@ -185,7 +186,8 @@ class KlartextScanner : public WordTaker {
         return bad(items_[0], "E-ARC", "CR without its radius", "no arc is defined", "add R");
       std::string_view digits = items_[i].substr(1);
       if (digits.empty()) digits = item(++i);
-      if (!number(digits, items_[0], radius) || !value_word('R', radius, column(items_[0]), false)) return false;
+      if (!number(digits, items_[0], radius) || !value_word('R', radius, column(items_[0]), false))
+        return false;
       ++i;
     } else {
       block_.pole = Block::Pole::used;
@@ -288,8 +290,8 @@ class KlartextScanner : public WordTaker {
   bool limit(std::string_view first) {
     const std::string_view unit = items_[count_ - 1];
     if (count_ < 3 || (unit != "MM" && unit != "INCH"))
-      return bad(first, "E-START", "the unit of the program is not stated", "its numbers mean nothing without",
-                 "write BEGIN PGM name MM or INCH");
+      return bad(first, "E-START", "the unit of the program is not stated",
+                 "its numbers mean nothing without", "write BEGIN PGM name MM or INCH");
     if (first == "END") return m_word(2, column(first));
     return g_word(unit == "MM" ? 21 : 20, column(first));
   }

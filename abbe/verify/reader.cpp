@@ -268,10 +268,11 @@ struct ProgramReader::State {
     const bool numbered = first_block && names && program_number(first, words);
     // The words start elsewhere behind a program number or a tape leader.
     const Block& block = blocks[row];
-    const bool understood = (words.data() == texts[row].data() && readable[row]) ||
-                            read_block(words, control.profile(), blocks[row], fault, tcp_codes(), continued[row]);
-    const bool says_something = block.words != 0 || block.pole != Block::Pole::none || block.g_groups != 0 || block.m_groups != 0 ||
-                                block.extra_count != 0 || block.tcp_code >= 0;
+    const bool understood =
+        (words.data() == texts[row].data() && readable[row]) ||
+        read_block(words, control.profile(), blocks[row], fault, tcp_codes(), continued[row]);
+    const bool says_something = block.words != 0 || block.pole != Block::Pole::none || block.g_groups != 0 ||
+                                block.m_groups != 0 || block.extra_count != 0 || block.tcp_code >= 0;
     if (numbered && says_something) {
       fault = {"E-OWORD",
                first + 1,
@@ -285,8 +286,9 @@ struct ProgramReader::State {
       fault.column += text.size() - words.size();
       return refuse();
     }
+    // conversational programs have their header behind BEGIN PGM
+    if (says_something && !(conversational && first_block)) at_top = false;
     if (says_something || numbered) first_block = false;
-    if (says_something) at_top = false;
     if (!control.execute(block, fault)) return refuse();
     has_block = true;
     motion_given = false;
