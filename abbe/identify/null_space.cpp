@@ -9,6 +9,7 @@ namespace abbe {
 namespace {
 
 constexpr double kWorthNaming = 0.02;  // of the largest effect within a combination
+constexpr double kTie = 1e-9;          // of the largest effect: rounding must not choose
 
 /// Why static and dynamic terms are one, if they are in one combination.
 std::string reason(const UnseenCombination& c, const std::vector<ModelTerm>& terms) {
@@ -68,8 +69,12 @@ std::vector<UnseenCombination> unseen_combinations(const LeastSquaresSolution& s
   std::vector<UnseenCombination> out;
   std::vector<Eigen::Index> pivots;
   for (Eigen::Index k = 0; k < effect.cols(); ++k) {
+    const auto rest = effect.rightCols(effect.cols() - k).cwiseAbs();
+    const Eigen::VectorXd largest = rest.rowwise().maxCoeff();
+    const double tie = (1 - kTie) * largest.maxCoeff();
     Eigen::Index row = 0, column = 0;
-    effect.rightCols(effect.cols() - k).cwiseAbs().maxCoeff(&row, &column);
+    while (largest[row] < tie) ++row;
+    rest.row(row).maxCoeff(&column);
     effect.col(k).swap(effect.col(k + column));
     if (!(std::abs(effect(row, k)) > 0)) break;
     effect.col(k) /= effect(row, k);
@@ -86,13 +91,15 @@ std::vector<UnseenCombination> unseen_combinations(const LeastSquaresSolution& s
         c.parts.push_back({static_cast<std::size_t>(i), column[i] / solution.column_length[i]});
     std::stable_sort(c.parts.begin(), c.parts.end(), [&](const auto& a, const auto& b) {
       return std::abs(column[static_cast<Eigen::Index>(a.unknown)]) >
-             std::abs(column[static_cast<Eigen::Index>(b.unknown)]) + 1e-9;
+             std::abs(column[static_cast<Eigen::Index>(b.unknown)]) + kTie;
     });
     const double unit = c.parts.front().amount;
     for (auto& part : c.parts) part.amount /= unit;
     c.words = words_of(c, names, terms);
     out.push_back(std::move(c));
   }
+  std::sort(out.begin(), out.end(),
+            [](const auto& a, const auto& b) { return a.parts[0].unknown < b.parts[0].unknown; });
   return out;
 }
 

@@ -16,11 +16,17 @@ double rms(const std::vector<double>& values) {
   return values.empty() ? 0.0 : std::sqrt(square / static_cast<double>(values.size()));
 }
 
-/// Rows: draws of the first m unknowns around their values.
+/// Columns: draws of the first m unknowns around their values, with the symmetric root of their correlation:
+/// it is one whatever order and signs eigenvectors come in.
 Eigen::MatrixXd draws(const Identification& identification, Eigen::Index m) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(identification.covariance.topLeftCorner(m, m));
+  const Eigen::MatrixXd covariance = identification.covariance.topLeftCorner(m, m);
+  const Eigen::VectorXd deviation = covariance.diagonal().cwiseMax(0.0).cwiseSqrt();
+  const Eigen::VectorXd unit = deviation.unaryExpr([](double s) { return s > 0 ? 1 / s : 0.0; });
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(unit.asDiagonal() * covariance *
+                                                             unit.asDiagonal());
+  const Eigen::MatrixXd& v = eigen.eigenvectors();
   const Eigen::MatrixXd root =
-      eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal();
+      deviation.asDiagonal() * v * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * v.transpose();
   std::mt19937_64 random(20260302);
   std::normal_distribution<double> normal;
   Eigen::MatrixXd out(m, kDraws);

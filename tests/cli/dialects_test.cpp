@@ -44,7 +44,7 @@ TEST(Profiles, AreListedAndExplained) {
   EXPECT_THAT(fanuc.out, AllOf(HasSubstr("G54.1"), HasSubstr("refused: a macro moves the machine"),
                                HasSubstr("every other code is refused")));
   const auto list = json::parse(run_abbe({"profiles", "--json"}).out);
-  EXPECT_EQ(list.size(), 7U);
+  EXPECT_EQ(list.size(), 8U);
   const auto one = json::parse(run_abbe({"profiles", "haas", "--json"}).out);
   EXPECT_EQ(one["name"], "haas");
   EXPECT_EQ(one["integer_words"], "ask");
