@@ -7,6 +7,7 @@
 #include <variant>
 
 #include "abbe/chain/correct.h"
+#include "abbe/chain/expanded_prediction.h"
 #include "abbe/chain/plan.h"
 #include "abbe/chain/predict.h"
 #include "abbe/machine/read_machine.h"
@@ -52,6 +53,44 @@ TEST(Expansion, DeviationIsProportionalToThePlace) {
       EXPECT_LT((p.deviation.position + kWarm.strain() * p.nominal.position).norm(), kNanometre) << chain;
       EXPECT_LT(p.deviation.tool_axis.norm(), 1e-15);
     }
+  }
+}
+
+TEST(Expansion, ExpandedPredictionAgreesWithTheChain) {
+  for (const char* chain : kChains) {
+    const Machine cold = machine_of(chain);
+    const Plan ideal = std::get<Plan>(make_plan(cold, {})),
+               warm = std::get<Plan>(make_plan(std::get<Machine>(with_expansion(cold, kWarm)), {}));
+    for (const auto& q : some_poses()) {
+      Query query;
+      query.q = q;
+      query.tool = tool_of(cold);
+      const Prediction a = expanded(predict(ideal, query), nominal_pose(ideal, query), kWarm),
+                       b = predict(warm, query);
+      EXPECT_LT((a.deviation.position - b.deviation.position).norm(), kNanometre) << chain;
+      EXPECT_LT((a.actual.position - b.actual.position).norm(), kNanometre) << chain;
+      EXPECT_LT((a.tool_twist.d - b.tool_twist.d).norm(), kNanometre) << chain;
+    }
+  }
+}
+
+TEST(Expansion, TurningTheToolDoesNotMatter) {
+  const Machine machine = machine_of(
+      "chain = \"w C b X Y Z B t\"\n[axis.C]\ndirection = [0, 0, 1]\n[axis.B]\ndirection = [0, 1, 0]\norigin "
+      "= "
+      "[0, 0, 400]\n[tool]\norigin = [0, 0, 350]\nlength = 80\n");
+  ASSERT_TRUE(std::holds_alternative<std::string>(with_expansion(machine, kWarm)));
+  const Plan plan = std::get<Plan>(make_plan(machine, {}));
+  for (const auto& q : some_poses()) {
+    Query query;
+    query.q = q;
+    query.tool = tool_of(machine);
+    const Prediction p = expanded(predict(plan, query), nominal_pose(plan, query), kWarm);
+    EXPECT_LT((p.deviation.position + kWarm.strain() * p.nominal.position).norm(), 1e-12);
+    EXPECT_EQ(p.deviation.tool_axis.norm(), 0);
+    // Asked for the place on the warm part, the tip is at the drawing's when that has cooled.
+    const Vec3 drawing(30, -20, 50), cooled = expanded(drawing, kWarm) / (1 + kWarm.strain());
+    EXPECT_LT((cooled - drawing).norm(), 1e-12);
   }
 }
 

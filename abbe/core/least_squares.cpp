@@ -2,9 +2,11 @@
 
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cassert>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 
 namespace abbe {
 
@@ -20,37 +22,103 @@ namespace {
 constexpr std::size_t kLanes = 8, kRows = static_cast<std::size_t>(TriangularFactor::kBlock);
 static_assert(kRows % kLanes == 0);
 
+/// kLanes numbers side by side: sums run in lanes, so every instruction set adds in one order.
+using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
+
+[[gnu::always_inline]] inline void load(Lanes& to, const double* from) { std::memcpy(&to, from, sizeof to); }
+
+[[gnu::always_inline]] inline double sum_of(const Lanes& lanes) {
+  double sum = 0;
+  for (std::size_t l = 0; l < kLanes; ++l) sum += lanes[l];
+  return sum;
+}
+
+/// a . b over kRows rows.
+[[gnu::always_inline]] inline double dot(const double* a, const double* b) {
+  Lanes sum{};
+  for (std::size_t i = 0; i < kRows; i += kLanes) {
+    Lanes x, y;
+    load(x, a + i), load(y, b + i);
+    sum += x * y;
+  }
+  return sum_of(sum);
+}
+
+/// Reflections that are applied together, so that the columns behind them are read once for all.
+constexpr std::size_t kPanel = 4;
+
+/// H_k = 1 - tau v v^T, v = (1, b_k / v0), of some columns after each other. tau = 0: nothing to fold.
+struct Panel {
+  std::array<const double*, kPanel> b{};
+  std::array<double, kPanel> v0_inverse{}, tau{};
+  std::array<std::array<double, kPanel>, kPanel> between{};  ///< b_p . b_q
+};
+
+/// The four reflections on one column, whose rows in the triangle begin at r:
+///
+///     t_p = tau_p (r_p + (b_p . b_j - sum_(q < p) s_q b_p . b_q) / v0_p),   s_p = t_p / v0_p
+///     r_p -= t_p,   b_j -= sum_p s_p b_p
+[[gnu::always_inline]] inline void reflect(const Panel& panel, double* r, double* bj) {
+  Lanes d0{}, d1{}, d2{}, d3{};
+  for (std::size_t i = 0; i < kRows; i += kLanes) {
+    Lanes y, x;
+    load(y, bj + i);
+    load(x, panel.b[0] + i), d0 += x * y;
+    load(x, panel.b[1] + i), d1 += x * y;
+    load(x, panel.b[2] + i), d2 += x * y;
+    load(x, panel.b[3] + i), d3 += x * y;
+  }
+  std::array<double, kPanel> s = {sum_of(d0), sum_of(d1), sum_of(d2), sum_of(d3)};
+  for (std::size_t p = 0; p < kPanel; ++p) {
+    for (std::size_t q = 0; q < p; ++q) s[p] -= s[q] * panel.between[p][q];
+    const double t = panel.tau[p] * (r[p] + s[p] * panel.v0_inverse[p]);
+    r[p] -= t;
+    s[p] = t * panel.v0_inverse[p];
+  }
+  for (std::size_t i = 0; i < kRows; i += kLanes) {
+    Lanes y, x;
+    load(y, bj + i);
+    load(x, panel.b[0] + i), y -= s[0] * x;
+    load(x, panel.b[1] + i), y -= s[1] * x;
+    load(x, panel.b[2] + i), y -= s[2] * x;
+    load(x, panel.b[3] + i), y -= s[3] * x;
+    std::memcpy(bj + i, &y, sizeof y);
+  }
+}
+
+/// One reflection p of a panel on one column.
+[[gnu::always_inline]] inline void reflect_one(const Panel& panel, std::size_t p, double& r, double* bj) {
+  const double t = panel.tau[p] * (r + dot(panel.b[p], bj) * panel.v0_inverse[p]);
+  const double s = t * panel.v0_inverse[p];
+  r -= t;
+  for (std::size_t i = 0; i < kRows; ++i) bj[i] -= s * panel.b[p][i];
+}
+
 /// Householder: folds kRows rows (columns one after the other) into the triangle r, both m1 columns. Under
 /// the diagonal the triangle is zero, so each reflection touches one row of it:
 ///
-///     v = (1, b_k / v0),  v0 = alpha - beta,  beta = -sign(alpha) |(alpha, b_k)|,  tau = -v0 / beta
-///     t = tau (r_kj + b_k . b_j / v0),   r_kj -= t,   b_j -= (t / v0) b_k
+///     v0 = alpha - beta,  beta = -sign(alpha) |(alpha, b_k)|,  tau = -v0 / beta
 ///
-/// r is stored by columns with m1 rows. Sums run in kLanes lanes, so every instruction set adds in one order.
+/// r is stored by columns with m1 rows.
 ABBE_CLONES void fold_block(double* r, double* block, std::size_t m1) {
-  for (std::size_t k = 0; k < m1; ++k) {
-    const double* const bk = block + k * kRows;
-    double square[kLanes] = {};
-    for (std::size_t i = 0; i < kRows; i += kLanes)
-      for (std::size_t l = 0; l < kLanes; ++l) square[l] += bk[i + l] * bk[i + l];
-    double sum = 0;
-    for (const double s : square) sum += s;
-    if (sum == 0) continue;
-    const double alpha = r[k * m1 + k];
-    const double beta = std::sqrt(alpha * alpha + sum) * (alpha > 0 ? -1 : 1);
-    const double v0 = alpha - beta, tau = -v0 / beta;
-    r[k * m1 + k] = beta;
-    for (std::size_t j = k + 1; j < m1; ++j) {
-      double* const bj = block + j * kRows;
-      double product[kLanes] = {};
-      for (std::size_t i = 0; i < kRows; i += kLanes)
-        for (std::size_t l = 0; l < kLanes; ++l) product[l] += bk[i + l] * bj[i + l];
-      double dot = 0;
-      for (const double p : product) dot += p;
-      const double t = tau * (r[j * m1 + k] + dot / v0), step = t / v0;
-      r[j * m1 + k] -= t;
-      for (std::size_t i = 0; i < kRows; ++i) bj[i] -= step * bk[i];
+  for (std::size_t first = 0; first < m1; first += kPanel) {
+    const std::size_t count = std::min(kPanel, m1 - first);
+    Panel panel;
+    for (std::size_t p = 0; p < count; ++p) {
+      const std::size_t k = first + p;
+      const double* const bk = panel.b[p] = block + k * kRows;
+      if (const double square = dot(bk, bk); square != 0) {
+        double& alpha = r[k * m1 + k];
+        const double beta = std::sqrt(alpha * alpha + square) * (alpha > 0 ? -1 : 1), v0 = alpha - beta;
+        panel.v0_inverse[p] = 1 / v0;
+        panel.tau[p] = -v0 / beta;
+        alpha = beta;
+      }
+      for (std::size_t q = 0; q < p; ++q) panel.between[p][q] = dot(bk, panel.b[q]);
+      for (std::size_t j = k + 1; j < first + count; ++j)
+        reflect_one(panel, p, r[j * m1 + k], block + j * kRows);
     }
+    for (std::size_t j = first + kPanel; j < m1; ++j) reflect(panel, r + j * m1 + first, block + j * kRows);
   }
 }
 

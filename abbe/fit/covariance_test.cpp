@@ -33,7 +33,7 @@ struct Fitted {
     const auto observations = observations_of(*job.value);
     const auto unknowns = unknowns_of(*job.value, *observations.value);
     result = fit_jointly(*job.value, *observations.value, *unknowns.value);
-    text = write_errors_file(*job.value, result) + write_uncertainty_modes(result);
+    text = write_errors_file(*job.value, result) + write_uncertainty_modes(*job.value, result);
     machine = read_machine({"hidden.toml", hidden.text}, MachineText{"e.toml", text}, {}).value.value();
     modes = read_uncertainty_modes(machine, {"e.toml", text}, {}).value.value();
   }
@@ -70,6 +70,49 @@ TEST(Covariance, ModesAddUpToTheCovariance) {
     EXPECT_GT(std::abs(ab), 0.01 * std::sqrt(aa * bb));  // the optic beside the axis makes them depend
   }
   EXPECT_NEAR(fitted.covariance("EC0Y", "EC0Y", 0), 4, 0.01);
+}
+
+TEST(Covariance, ThermalSlopesAreUncertainTogether) {
+  const HiddenMachine hidden(three_axis_machine(), kHiddenErrors);
+  FitJob job;
+  job.machine = hidden.machine;
+  job.thermal.reference = 21;
+  ThermalFit thermal;
+  thermal.models.resize(2);
+  thermal.models[0].name = "EXt";
+  thermal.models[0].terms = {{"head", 0, 2, 0, 15, 40}, {"bed", 1800, -1, 0, 15, 40}};
+  thermal.models[0].beyond_slopes = 0.25;
+  thermal.models[1].name = "EBt";
+  thermal.models[1].terms = {{"bed", 1800, 3, 0, 15, 40}};
+  thermal.models[1].beyond_slopes = 0.5;
+  Eigen::Matrix3d L;
+  L << 0.3, 0, 0, -0.1, 0.2, 0, 0.15, -0.05, 0.1;
+  thermal.covariance = L * L.transpose();
+  const std::string text = write_errors_file(job, {}, thermal) + write_uncertainty_modes(job, {}, thermal);
+  const auto machine = read_machine({"hidden.toml", hidden.text}, MachineText{"e.toml", text}, {});
+  ASSERT_TRUE(machine.value) << text;
+  const auto modes = read_uncertainty_modes(*machine.value, {"e.toml", text}, {});
+  ASSERT_TRUE(modes.value) << text;
+  ASSERT_EQ(modes.value->modes.size(), 5U);  // three of the slopes, one of each error
+  std::vector<double> variables(modes.value->variables.size(), 21);
+  for (std::size_t i = 0; i < variables.size(); ++i) {
+    if (modes.value->variables[i].name == "head") variables[i] = 25;
+    if (modes.value->variables[i].name == "bed_lag1800") variables[i] = 31;
+  }
+  Eigen::Matrix2d sum = Eigen::Matrix2d::Zero();
+  for (const auto& mode : modes.value->modes) {
+    Eigen::Vector2d errors = Eigen::Vector2d::Zero();
+    for (const ErrorTerm& term : mode)
+      errors[to_string(term.name) == "EXt" ? 0 : 1] +=
+          term.function.value<double>(variables.data(), nullptr, nullptr);
+    sum += errors * errors.transpose();
+  }
+  // e = A b, A = [4 K, 10 K, 0; 0, 0, 10 K]
+  Eigen::Matrix<double, 2, 3> A;
+  A << 4, 10, 0, 0, 0, 10;
+  Eigen::Matrix2d expected = A * thermal.covariance * A.transpose();
+  expected.diagonal() += Eigen::Vector2d(0.0625, 0.25);
+  EXPECT_TRUE(sum.isApprox(expected, 1e-6)) << sum << "\n" << expected;
 }
 
 }  // namespace

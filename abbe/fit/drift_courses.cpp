@@ -67,8 +67,8 @@ Parsed<std::vector<DriftCourse>> drift_courses(const FitJob& job) {
       for (Eigen::Index i = 0; i < readings.cols(); ++i)
         readings(r, i) = reading.values[static_cast<std::size_t>(i)] / unit_of(reading.rotation);
     }
-    courses.push_back(
-        {drift.validation, drift.times, drift.temperatures, S.householderQr().solve(readings).transpose()});
+    courses.push_back({drift.validation, drift.settled, drift.times, drift.temperatures,
+                       S.householderQr().solve(readings).transpose()});
   }
   out.diagnostics = findings.take();
   if (!has_errors(out.diagnostics)) out.value = std::move(courses);

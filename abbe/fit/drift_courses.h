@@ -11,7 +11,8 @@ namespace abbe {
 /// One log as courses in time of the errors that drift.
 struct DriftCourse {
   bool validation = false;
-  std::vector<double> times;                      ///< s
+  bool settled = false;       ///< began in equilibrium; else what the machine remembered then is unknown
+  std::vector<double> times;  ///< s
   std::vector<std::vector<double>> temperatures;  ///< degC, per sensor
   Eigen::MatrixXd errors;  ///< um or urad, times x errors of FitThermal; their zero is the instruments'
 };

@@ -183,12 +183,14 @@ bool JobReader::take_log(const TomlNode& entry, const MeasuredTable& log, FitDri
 }
 
 void JobReader::read_drift(const TomlNode& entry) {
-  refuse_other_keys(entry, {"file", "at", "use", "readings"}, "[[drift]]", findings_);
+  refuse_other_keys(entry, {"file", "at", "use", "start", "readings"}, "[[drift]]", findings_);
   FitDrift drift;
   const auto at = pose_of(entry, "at");
   if (at) drift.at = *at;
   if (const TomlEntry* found = entry.find("use"))
     drift.validation = read_choice(found->value, {"fit", "validation"}, "use", findings_).value_or(0) == 1;
+  if (const TomlEntry* found = entry.find("start"))
+    drift.settled = read_choice(found->value, {"unknown", "settled"}, "start", findings_).value_or(0) == 1;
   const TomlEntry* readings = entry.find("readings");
   if (readings == nullptr || !expect_kind(readings->value, TomlNode::Kind::table, "readings", findings_)) {
     if (readings == nullptr)

@@ -25,6 +25,7 @@ struct FitDrift {
   std::string file;
   std::array<double, kMaxAxes> at{};              ///< mm or rad
   bool validation = false;                        ///< only judges what the other records say
+  bool settled = false;                           ///< the machine was in equilibrium when it began
   bool planned = false;                           ///< not measured yet: no times, no values
   std::vector<double> times;                      ///< s, increasing
   std::vector<std::vector<double>> temperatures;  ///< degC, of every sensor of FitThermal at every time

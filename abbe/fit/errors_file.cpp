@@ -72,7 +72,8 @@ std::string thermal_comments(const FitJob& job, const ThermalFit& thermal) {
   for (const FitDrift& drift : job.drifts)
     text += comment(fmt::format("  {}: {} rows over {:.0f} min{}", drift.file, drift.times.size(),
                                 (drift.times.back() - drift.times.front()) / 60,
-                                drift.validation ? ", only to judge" : ""));
+                                drift.validation ? ", only to judge" : "") +
+                    (drift.settled ? ", taken to begin settled" : ", its state at the start not known"));
   for (const ThermalModel& model : thermal.models)
     text +=
         comment(fmt::format("  {}: drift {:.3g} rms, left {:.3g}{} {}", model.name, model.before, model.left,
@@ -163,20 +164,49 @@ std::string mode_text(const FitResult& result, const Eigen::VectorXd& column) {
   return text;
 }
 
-}  // namespace
+/// One column of L as a table of thermal errors.
+std::string thermal_mode_text(const ThermalFit& thermal, const Eigen::VectorXd& column, double reference) {
+  std::string text;
+  Eigen::Index next = 0;
+  for (const ThermalModel& model : thermal.models) {
+    ThermalModel share = model;
+    share.terms.clear();
+    for (ThermalTerm term : model.terms)
+      if ((term.slope = column[next++]) != 0) share.terms.push_back(term);
+    if (!share.terms.empty()) text += fmt::format("{} = {}\n", model.name, model_text(share, reference));
+  }
+  return text;
+}
 
-std::string write_uncertainty_modes(const FitResult& result) {
+/// A table for every column of L that `text_of` says anything of.
+template <class TextOf>
+std::string modes_of(const Eigen::MatrixXd& C, const TextOf& text_of) {
   constexpr double kNegligible = 1e-4;
-  const Eigen::MatrixXd L = cholesky_factor(result.covariance);
-  std::string text =
-      "\n" + comment("covariance: each mode is one standard deviation of all its errors together");
+  const Eigen::MatrixXd L = cholesky_factor(C);
+  std::string text;
   for (Eigen::Index j = 0; j < L.cols(); ++j) {
     Eigen::VectorXd column = L.col(j);
     for (Eigen::Index i = 0; i < column.size(); ++i)
-      if (std::abs(column[i]) <= kNegligible * std::sqrt(result.covariance(i, i))) column[i] = 0;
-    const std::string mode = mode_text(result, column);
+      if (std::abs(column[i]) <= kNegligible * std::sqrt(C(i, i))) column[i] = 0;
+    const std::string mode = text_of(column);
     if (!mode.empty()) text += "\n[[uncertainty_mode]]\n" + mode;
   }
+  return text;
+}
+
+}  // namespace
+
+std::string write_uncertainty_modes(const FitJob& job, const FitResult& result, const ThermalFit& thermal) {
+  std::string text =
+      "\n" + comment("covariance: each mode is one standard deviation of all its errors together");
+  text +=
+      modes_of(result.covariance, [&](const Eigen::VectorXd& column) { return mode_text(result, column); });
+  if (thermal.models.empty()) return text;
+  text += modes_of(thermal.covariance, [&](const Eigen::VectorXd& column) {
+    return thermal_mode_text(thermal, column, job.thermal.reference);
+  });
+  for (const ThermalModel& model : thermal.models)
+    text += fmt::format("\n[[uncertainty_mode]]\n{} = {}\n", model.name, file_number(model.beyond_slopes));
   return text;
 }
 

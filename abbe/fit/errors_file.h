@@ -15,12 +15,15 @@ namespace abbe {
 [[nodiscard]] std::string write_errors_file(const FitJob& job, const FitResult& result,
                                             const ThermalFit& thermal = {});
 
-/// The covariance of all errors of a fit as [[uncertainty_mode]] tables to be added to its errors file:
+/// The covariance of all errors of a fit as [[uncertainty_mode]] tables to be added to its errors file; that
+/// of thermal slopes likewise, each lagged temperature of the errors file being a variable, and one mode more
+/// for what the model of an error leaves beyond its slopes:
 ///
 ///   C = L L^T,   mode m = column m of L   (L lower triangular; shares below 1e-4 of an uncertainty are left
 ///   out)
 ///
-/// laws     ModesAddUpToTheCovariance
-[[nodiscard]] std::string write_uncertainty_modes(const FitResult& result);
+/// laws     ModesAddUpToTheCovariance, ThermalSlopesAreUncertainTogether
+[[nodiscard]] std::string write_uncertainty_modes(const FitJob& job, const FitResult& result,
+                                                  const ThermalFit& thermal = {});
 
 }  // namespace abbe

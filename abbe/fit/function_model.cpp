@@ -16,14 +16,10 @@ namespace {
 constexpr double kRankOfGauge = 1e-10;
 
 /// Legendre polynomials P_0 .. P_n of x in -1..1:  (k + 1) P_(k+1) = (2 k + 1) x P_k - k P_(k-1)
-std::vector<double> legendre(int n, double x) {
-  std::vector<double> p = {1, x};
-  for (int k = 1; k < n; ++k) {
-    const auto i = static_cast<std::size_t>(k);
-    p.push_back(((2 * k + 1) * x * p[i] - k * p[i - 1]) / (k + 1));
-  }
-  p.resize(static_cast<std::size_t>(n) + 1);
-  return p;
+void write_legendre(int n, double x, Eigen::RowVectorXd& p) {
+  p[0] = 1;
+  if (n > 0) p[1] = x;
+  for (int k = 1; k < n; ++k) p[k + 1] = ((2 * k + 1) * x * p[k] - k * p[k - 1]) / (k + 1);
 }
 
 /// Coefficients of sum c_k P_k as powers of x, by the same recursion.
@@ -68,13 +64,19 @@ std::string file_number(double value) { return fmt::format("{:.10g}", value + 0.
 FunctionModel::FunctionModel(FunctionForm form, FunctionGauge gauge, double lo, double hi)
     : form_(std::move(form)), lo_(lo), hi_(hi) {
   if (form_.kind == FunctionForm::Kind::cubic) second_ = cardinal_curvatures(form_.nodes);
-  const Eigen::Index n = raw(lo).size();
+  Eigen::RowVectorXd values;
+  raw(lo, values);
+  const Eigen::Index n = values.size();
   // Gauge: sum phi_j(reference) c_j = 0, and sum over the samples of t phi_j c_j = 0
   Eigen::MatrixXd gauges = Eigen::MatrixXd::Zero(n, 2);
-  if (gauge.reference) gauges.col(0) = raw(*gauge.reference).transpose();
+  if (gauge.reference) {
+    raw(*gauge.reference, values);
+    gauges.col(0) = values.transpose();
+  }
   for (int i = 0; gauge.without_trend && i < kTrendSamples; ++i) {
     const double t = -1 + 2.0 * i / (kTrendSamples - 1);
-    gauges.col(1) += t * raw(0.5 * (lo + hi) + 0.5 * t * (hi - lo)).transpose();
+    raw(0.5 * (lo + hi) + 0.5 * t * (hi - lo), values);
+    gauges.col(1) += t * values.transpose();
   }
   Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(gauges);
   qr.setThreshold(kRankOfGauge);
@@ -87,12 +89,11 @@ Eigen::Index FunctionModel::main_count() const {
                                                       : static_cast<Eigen::Index>(form_.nodes.size());
 }
 
-Eigen::RowVectorXd FunctionModel::raw(double v) const {
+void FunctionModel::raw(double v, Eigen::RowVectorXd& out) const {
   v = std::clamp(v, lo_, hi_);
-  Eigen::RowVectorXd out = Eigen::RowVectorXd::Zero(main_count() + 2 * form_.harmonics);
+  out.setZero(main_count() + 2 * form_.harmonics);
   if (form_.kind == FunctionForm::Kind::polynomial) {
-    const std::vector<double> p = legendre(form_.order, (2 * v - lo_ - hi_) / (hi_ - lo_));
-    out.head(main_count()) = Eigen::Map<const Eigen::RowVectorXd>(p.data(), main_count());
+    write_legendre(form_.order, (2 * v - lo_ - hi_) / (hi_ - lo_), out);
   } else {
     const double u = std::clamp(v, form_.nodes.front(), form_.nodes.back());
     const std::size_t k = piece_of(form_.nodes, u);
@@ -110,10 +111,19 @@ Eigen::RowVectorXd FunctionModel::raw(double v) const {
     out[main_count() + 2 * k - 2] = std::sin(angle);
     out[main_count() + 2 * k - 1] = std::cos(angle);
   }
-  return out;
 }
 
-Eigen::RowVectorXd FunctionModel::row(double v) const { return raw(v) * free_; }
+void FunctionModel::row(double v, Eigen::RowVectorXd& out, Eigen::RowVectorXd& scratch) const {
+  raw(v, scratch);
+  out.resize(free_.cols());
+  for (Eigen::Index j = 0; j < free_.cols(); ++j) out[j] = scratch.dot(free_.col(j).transpose());
+}
+
+Eigen::RowVectorXd FunctionModel::row(double v) const {
+  Eigen::RowVectorXd out, scratch;
+  row(v, out, scratch);
+  return out;
+}
 
 std::string FunctionModel::main_text(const Eigen::VectorXd& c) const {
   const std::string domain = fmt::format("domain = [{}, {}]", file_number(lo_), file_number(hi_));

@@ -53,6 +53,9 @@ class FunctionModel {
 
   /// d f(v) / d z.
   [[nodiscard]] Eigen::RowVectorXd row(double v) const;
+  /// The same into `out`, with `scratch` for what comes before the gauge: nothing is allocated once it has
+  /// grown.
+  void row(double v, Eigen::RowVectorXd& out, Eigen::RowVectorXd& scratch) const;
 
   /// The function in words of an errors file, with its domain: "{ poly = [..], .. }" or a list.
   [[nodiscard]] std::string text(const Eigen::VectorXd& z) const;
@@ -61,7 +64,7 @@ class FunctionModel {
   [[nodiscard]] std::string describe() const;
 
  private:
-  [[nodiscard]] Eigen::RowVectorXd raw(double v) const;
+  void raw(double v, Eigen::RowVectorXd& out) const;
   [[nodiscard]] std::string main_text(const Eigen::VectorXd& c) const;
   [[nodiscard]] Eigen::Index main_count() const;
 

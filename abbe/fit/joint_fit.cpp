@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -50,7 +51,13 @@ struct Layout {
 class Rows {
  public:
   Rows(const Observations& observations, const Unknowns& unknowns, const Layout& layout, UnitEffects effects)
-      : observations_(observations), unknowns_(unknowns), layout_(layout), effects_(std::move(effects)) {}
+      : observations_(observations),
+        unknowns_(unknowns),
+        layout_(layout),
+        effects_(std::move(effects)),
+        shapes_(unknowns.functions.size()) {
+    for (const std::string& name : unknowns.locations) location_units_.push_back(location_unit(name));
+  }
 
   /// row = d value / d unknowns; false if something is not finite.
   void write(const Observation& observation, Eigen::VectorXd& row) {
@@ -65,15 +72,15 @@ class Rows {
       const double effect = part(twists_[f], observation) * function.error_unit;
       if (effect == 0) continue;
       const auto axis = static_cast<std::size_t>(function.axis);
-      const double v = query.q[axis] / function.position_unit;
-      row.segment(layout_.mean[f], function.mean.parameters()) += effect * function.mean.row(v).transpose();
+      const Shapes& shapes = shapes_at(f, query.q[axis] / function.position_unit);
+      row.segment(layout_.mean[f], shapes.mean.size()) += effect * shapes.mean.transpose();
       if (function.reversal && query.approach[axis] != 0)
-        row.segment(layout_.reversal[f], function.reversal->parameters()) +=
-            0.5 * query.approach[axis] * effect * function.reversal->row(v).transpose();
+        row.segment(layout_.reversal[f], shapes.reversal.size()) +=
+            0.5 * query.approach[axis] * effect * shapes.reversal.transpose();
     }
     for (std::size_t k = 0; k < unknowns_.locations.size(); ++k)
       row[layout_.locations + static_cast<Eigen::Index>(k)] +=
-          part(twists_[functions + k], observation) * location_unit(unknowns_.locations[k]);
+          part(twists_[functions + k], observation) * location_units_[k];
   }
 
   [[nodiscard]] static double location_unit(const std::string& name) {
@@ -81,6 +88,22 @@ class Rows {
   }
 
  private:
+  /// A function's shapes at the last position it was asked for.
+  struct Shapes {
+    double v = std::numeric_limits<double>::quiet_NaN();
+    Eigen::RowVectorXd mean, reversal;
+  };
+
+  const Shapes& shapes_at(std::size_t f, double v) {
+    Shapes& shapes = shapes_[f];
+    if (shapes.v == v) return shapes;
+    const UnknownFunction& function = unknowns_.functions[f];
+    function.mean.row(v, shapes.mean, scratch_);
+    if (function.reversal) function.reversal->row(v, shapes.reversal, scratch_);
+    shapes.v = v;
+    return shapes;
+  }
+
   static double part(const Twist& twist, const Observation& observation) {
     return observation.direction.dot(observation.rotation ? twist.e : twist.d);
   }
@@ -97,6 +120,9 @@ class Rows {
   const Unknowns& unknowns_;
   const Layout& layout_;
   UnitEffects effects_;
+  std::vector<double> location_units_;
+  std::vector<Shapes> shapes_;
+  Eigen::RowVectorXd scratch_;
   std::size_t pose_ = 0;
   std::vector<Twist> twists_;
 };

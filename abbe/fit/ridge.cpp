@@ -6,7 +6,8 @@
 namespace abbe {
 
 Ridge fit_ridge(const Eigen::MatrixXd& columns, const Eigen::VectorXd& values, double lambda) {
-  if (columns.cols() == 0) return {Eigen::VectorXd(0), values.mean(), Eigen::MatrixXd(0, 0)};
+  if (columns.cols() == 0)
+    return {Eigen::VectorXd(0), values.mean(), Eigen::MatrixXd(0, columns.rows()), Eigen::MatrixXd(0, 0)};
   const Eigen::RowVectorXd mean = columns.colwise().mean();
   Eigen::MatrixXd Z = columns.rowwise() - mean;
   Eigen::RowVectorXd inverse = Z.colwise().norm() / std::sqrt(static_cast<double>(columns.rows()));
@@ -20,9 +21,10 @@ Ridge fit_ridge(const Eigen::MatrixXd& columns, const Eigen::VectorXd& values, d
   for (double& s : gain) s = s > least ? s / (s * s + lambda) : 0;
   const Eigen::MatrixXd V = inverse.transpose().asDiagonal() * svd.matrixV();
   Ridge out;
-  out.slope = V * (gain * (svd.matrixU().transpose() * (values.array() - middle).matrix()).array()).matrix();
+  out.gain = V * gain.matrix().asDiagonal() * svd.matrixU().transpose();
+  out.slope = out.gain * (values.array() - middle).matrix();
   out.intercept = middle - mean * out.slope;
-  out.covariance = V * gain.square().matrix().asDiagonal() * V.transpose();
+  out.covariance = out.gain * out.gain.transpose();
   return out;
 }
 

@@ -54,10 +54,28 @@ Eigen::VectorXd ThermalColumns::centred(Eigen::VectorXd column) const {
 }
 
 Eigen::MatrixXd ThermalColumns::centred(const std::vector<ThermalInput>& inputs) const {
+  Eigen::MatrixXd out = temperatures(inputs);
+  for (Eigen::Index i = 0; i < out.cols(); ++i) out.col(i) = centred(out.col(i));
+  return out;
+}
+
+LogFreedom ThermalColumns::freedom(const std::vector<ThermalInput>& inputs) const {
+  std::vector<double> lags;
+  for (const ThermalInput& input : inputs) lags.push_back(input.lag);
+  return {courses_, lags};
+}
+
+Eigen::MatrixXd ThermalColumns::temperatures(const std::vector<ThermalInput>& inputs) const {
   Eigen::MatrixXd out(rows_, static_cast<Eigen::Index>(inputs.size()));
   for (std::size_t i = 0; i < inputs.size(); ++i)
-    out.col(static_cast<Eigen::Index>(i)) = centred(temperature(inputs[i]));
+    out.col(static_cast<Eigen::Index>(i)) = temperature(inputs[i]);
   return out;
+}
+
+Eigen::VectorXd ThermalColumns::since_start(std::size_t log) const {
+  const std::vector<double>& times = courses_[log]->times;
+  const Eigen::Map<const Eigen::ArrayXd> t(times.data(), static_cast<Eigen::Index>(times.size()));
+  return (t - times.front()).matrix();
 }
 
 Eigen::VectorXd ThermalColumns::indicator(std::size_t log) const {

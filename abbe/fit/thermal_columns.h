@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "abbe/fit/drift_courses.h"
+#include "abbe/fit/log_freedom.h"
 
 namespace abbe {
 
@@ -35,6 +36,13 @@ class ThermalColumns {
   [[nodiscard]] Eigen::VectorXd centred(Eigen::VectorXd column) const;
   [[nodiscard]] Eigen::MatrixXd centred(const std::vector<ThermalInput>& inputs) const;
 
+  /// What the logs have for themselves beside inputs of these lags.
+  [[nodiscard]] LogFreedom freedom(const std::vector<ThermalInput>& inputs) const;
+  /// degC, one column per input.
+  [[nodiscard]] Eigen::MatrixXd temperatures(const std::vector<ThermalInput>& inputs) const;
+
+  /// Seconds from the start of a log, at its rows.
+  [[nodiscard]] Eigen::VectorXd since_start(std::size_t log) const;
   /// 1 in the rows of a log, 0 in the others.
   [[nodiscard]] Eigen::VectorXd indicator(std::size_t log) const;
 

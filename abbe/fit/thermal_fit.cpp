@@ -32,7 +32,18 @@ ThermalColumns columns_of(const std::vector<DriftCourse>& courses, bool validati
 /// Slopes with their covariance, that of the lags included.
 struct Slopes {
   Eigen::VectorXd slope;
-  Eigen::MatrixXd covariance;  ///< of slopes, then of the lags above 0
+  Eigen::MatrixXd covariance;   ///< of slopes, then of the lags above 0
+  Eigen::MatrixXd sensitivity;  ///< of the readings to the same, beside zeros and starts
+  Eigen::MatrixXd gain;         ///< slopes, then lags, from the readings
+  Eigen::VectorXd residual;     ///< of the readings
+  double freedom = 1;
+  double variance = 0;  ///< of a reading
+};
+
+/// A model and where its slopes come from.
+struct Modelled {
+  ThermalModel model;
+  Slopes slopes;
 };
 
 /// d (slope T_lagged) / d lag for every lag above 0, by differences of a hundredth of the lag.
@@ -51,11 +62,45 @@ Eigen::MatrixXd lag_columns(const ThermalColumns& columns, const std::vector<The
   return out;
 }
 
+/// Adds what the starts do when a lag moves: d (start exp(-t / lag)) / d lag = start t / lag^2 exp(-t / lag).
+void add_starts_to_lag_columns(const LogFreedom& freedom, const std::vector<ThermalInput>& inputs,
+                               const ThermalColumns& columns, const Eigen::VectorXd& unexplained,
+                               Eigen::MatrixXd& lag_derivatives) {
+  for (std::size_t log = 0; log < freedom.logs(); ++log) {
+    if (!freedom.is_free(log)) continue;
+    const Eigen::VectorXd start = freedom.coefficients(log, unexplained);
+    const Eigen::MatrixXd& shape = freedom.shape(log);
+    const Eigen::VectorXd time = columns.since_start(log);
+    for (Eigen::Index k = 1; k < shape.cols(); ++k) {
+      const double lag = freedom.lags()[static_cast<std::size_t>(k - 1)];
+      // Inputs of one lag share a start; the first of them moves it.
+      Eigen::Index column = 0;
+      for (const ThermalInput& input : inputs) {
+        if (input.lag == lag) break;
+        if (input.lag > 0) ++column;
+      }
+      lag_derivatives.col(column).segment(freedom.first(log), shape.rows()) +=
+          start[k] / (lag * lag) * time.cwiseProduct(shape.col(k));
+    }
+  }
+}
+
+/// Every column without what zeros and starts can explain.
+Eigen::MatrixXd taken_off(const LogFreedom& freedom, Eigen::MatrixXd columns) {
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) columns.col(i) = freedom.taken_off(columns.col(i));
+  return columns;
+}
+
 Eigen::MatrixXd beside(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   Eigen::MatrixXd out(a.rows(), a.cols() + b.cols());
   out.leftCols(a.cols()) = a;
   out.rightCols(b.cols()) = b;
   return out;
+}
+
+/// j C j^T of every row.
+Eigen::VectorXd variances(const Eigen::MatrixXd& J, const Eigen::MatrixXd& C) {
+  return (J * C).cwiseProduct(J).rowwise().sum();
 }
 
 /// One error's model from its logs.
@@ -70,23 +115,25 @@ class Modeller {
         error_(error),
         search_(fitted, error) {}
 
-  ThermalModel model() {
-    const std::vector<ThermalInput> inputs = choose();
-    const Eigen::MatrixXd A = fitted_.centred(inputs);
-    const Eigen::VectorXd y = fitted_.centred(fitted_.error(error_));
+  Modelled model() {
     ThermalModel out;
+    const std::vector<ThermalInput> inputs = told(choose(), out);
+    const LogFreedom freedom = fitted_.freedom(inputs);
+    const Eigen::MatrixXd A = taken_off(freedom, fitted_.temperatures(inputs));
+    const Eigen::VectorXd y = freedom.taken_off(fitted_.error(error_));
     out.name = thermal_.errors[static_cast<std::size_t>(error_)];
     out.rotation = read_error_name(out.name)->is_rotation();
-    out.before = rms(y);
+    out.before = rms(fitted_.centred(fitted_.error(error_)));
     out.noise = fitted_.noise(error_);
-    const Slopes slopes = solve(inputs, A, y);
-    out.left = rms(y - A * slopes.slope);
+    Slopes slopes = solve(inputs, freedom, A, y);
+    out.left = rms(slopes.residual);
     out.crossed = std::sqrt(search_.crossed(inputs));
     judge(inputs, slopes, out);
     add_terms(inputs, slopes, out);
-    out.u = uncertainty(inputs, slopes, out);
+    add_starts(freedom, inputs, slopes, out);
+    add_uncertainty(inputs, slopes, out);
     out.misfit = out.left > kMisfit * out.noise && out.left > kMisfitShare * out.before;
-    return out;
+    return {std::move(out), std::move(slopes)};
   }
 
  private:
@@ -94,7 +141,20 @@ class Modeller {
     if (thermal_.model != FitThermal::Model::automatic)
       return choose_with(thermal_.model == FitThermal::Model::lag);
     const std::vector<ThermalInput> linear = choose_with(false), lagged = choose_with(true);
-    return search_.crossed(lagged) < kWorthIt * search_.crossed(linear) ? lagged : linear;
+    const LogFreedom freedom = fitted_.freedom(lagged);
+    return search_.crossed(lagged, freedom) < kWorthIt * search_.crossed(linear, freedom) ? lagged : linear;
+  }
+
+  /// The inputs whose part can be told from the starts of the logs; the others are named.
+  std::vector<ThermalInput> told(std::vector<ThermalInput> inputs, ThermalModel& out) const {
+    const LogFreedom freedom = fitted_.freedom(inputs);
+    const auto hidden = [&](const ThermalInput& input) {
+      return freedom.told(fitted_.temperature(input)).isZero(0);
+    };
+    for (const ThermalInput& input : inputs)
+      if (hidden(input)) out.undetermined.push_back(thermal_.sensors[input.sensor]);
+    inputs.erase(std::remove_if(inputs.begin(), inputs.end(), hidden), inputs.end());
+    return inputs;
   }
 
   std::vector<ThermalInput> choose_with(bool lags) {
@@ -110,24 +170,28 @@ class Modeller {
     return lags ? search_.with_lags(std::move(inputs)) : inputs;
   }
 
-  /// C = s^2 (J^T J)^-1 with J = [temperatures, derivatives by the lags], or that of ridge.
-  Slopes solve(const std::vector<ThermalInput>& inputs, const Eigen::MatrixXd& A, const Eigen::VectorXd& y) {
+  /// C = s^2 G G^T,   G = (J^T J)^-1 J^T with J = [temperatures, derivatives by the lags] beside zeros and
+  /// starts, or that of ridge.
+  Slopes solve(const std::vector<ThermalInput>& inputs, const LogFreedom& logs, const Eigen::MatrixXd& A,
+               const Eigen::VectorXd& y) {
     Slopes out;
     const Ridge fit = fit_ridge(A, y, penalty(A, y));
     out.slope = fit.slope;
+    const Eigen::MatrixXd temperatures = fitted_.temperatures(inputs);
     Eigen::MatrixXd lags = lag_columns(fitted_, inputs, out.slope);
-    for (Eigen::Index i = 0; i < lags.cols(); ++i) lags.col(i) = fitted_.centred(lags.col(i));
+    add_starts_to_lag_columns(logs, inputs, fitted_, fitted_.error(error_) - temperatures * out.slope, lags);
+    out.sensitivity = beside(temperatures, lags);
     const Eigen::Index unknowns = A.cols() + lags.cols();
-    const auto freedom =
-        std::max<Eigen::Index>(1, A.rows() - unknowns - static_cast<Eigen::Index>(fitted_.logs()));
-    const double variance = (y - A * out.slope).squaredNorm() / static_cast<double>(freedom);
+    out.freedom = static_cast<double>(std::max<Eigen::Index>(1, A.rows() - unknowns - logs.rank()));
+    out.residual = y - A * out.slope;
+    out.variance = out.residual.squaredNorm() / out.freedom;
     if (lags.cols() == 0) {
-      out.covariance = variance * fit.covariance;
-      return out;
+      out.gain = fit.gain;
+    } else {
+      const Eigen::MatrixXd J = beside(A, taken_off(logs, lags));
+      out.gain = (J.transpose() * J).ldlt().solve(J.transpose());
     }
-    const Eigen::MatrixXd J = beside(A, lags);
-    out.covariance =
-        variance * (J.transpose() * J).ldlt().solve(Eigen::MatrixXd::Identity(unknowns, unknowns));
+    out.covariance = out.variance * out.gain * out.gain.transpose();
     return out;
   }
 
@@ -155,9 +219,9 @@ class Modeller {
 
   void judge(const std::vector<ThermalInput>& inputs, const Slopes& slopes, ThermalModel& out) const {
     if (judging_.rows() == 0) return;
-    const Eigen::VectorXd y = judging_.centred(judging_.error(error_));
-    out.validated_before = rms(y);
-    out.validated = rms(y - judging_.centred(inputs) * slopes.slope);
+    const Eigen::VectorXd y = judging_.error(error_);
+    out.validated_before = rms(judging_.centred(y));
+    out.validated = rms(judging_.freedom(inputs).taken_off(y - judging_.temperatures(inputs) * slopes.slope));
   }
 
   void add_terms(const std::vector<ThermalInput>& inputs, const Slopes& slopes, ThermalModel& out) const {
@@ -169,18 +233,34 @@ class Modeller {
     }
   }
 
+  /// start = N^+ (y - J b),   its covariance s^2 (N^T N)^-1 + N^+ J C (N^+ J)^T
+  void add_starts(const LogFreedom& freedom, const std::vector<ThermalInput>& inputs, const Slopes& slopes,
+                  ThermalModel& out) const {
+    const Eigen::VectorXd unexplained = fitted_.error(error_) - fitted_.temperatures(inputs) * slopes.slope;
+    for (std::size_t log = 0; log < freedom.logs(); ++log) {
+      if (!freedom.is_free(log)) continue;
+      const Eigen::VectorXd start = freedom.coefficients(log, unexplained);
+      const Eigen::MatrixXd P = freedom.coefficients(log, slopes.sensitivity);
+      const Eigen::MatrixXd C =
+          slopes.variance * freedom.covariance(log) + P * slopes.covariance * P.transpose();
+      for (Eigen::Index k = 1; k < start.size(); ++k)
+        out.starts.push_back({log, freedom.lags()[static_cast<std::size_t>(k - 1)], start[k],
+                              std::sqrt(std::max(0.0, C(k, k)))});
+    }
+  }
+
   /// u^2 = max over the logs of j C j^T, j = [T - reference, d / d lag], + what unseen logs show beyond the
   /// noise
-  double uncertainty(const std::vector<ThermalInput>& inputs, const Slopes& slopes,
-                     const ThermalModel& out) const {
-    Eigen::MatrixXd J(fitted_.rows(), static_cast<Eigen::Index>(inputs.size()));
-    for (std::size_t i = 0; i < inputs.size(); ++i)
-      J.col(static_cast<Eigen::Index>(i)) = fitted_.temperature(inputs[i]).array() - thermal_.reference;
-    J = beside(J, lag_columns(fitted_, inputs, slopes.slope));
-    const double model =
-        inputs.empty() ? 0 : (J * slopes.covariance).cwiseProduct(J).rowwise().sum().maxCoeff();
+  void add_uncertainty(const std::vector<ThermalInput>& inputs, const Slopes& slopes,
+                       ThermalModel& out) const {
+    const Eigen::MatrixXd T = (fitted_.temperatures(inputs).array() - thermal_.reference).matrix();
+    const Eigen::MatrixXd J = beside(T, lag_columns(fitted_, inputs, slopes.slope));
+    const Eigen::VectorXd all = variances(J, slopes.covariance),
+                          alone = variances(T, slopes.covariance.topLeftCorner(T.cols(), T.cols()));
     const double unseen = out.validated.value_or(out.crossed);
-    return std::sqrt(std::max(0.0, model) + std::max(0.0, unseen * unseen - out.noise * out.noise));
+    const double beyond = std::max(0.0, unseen * unseen - out.noise * out.noise);
+    out.u = std::sqrt(std::max(0.0, all.maxCoeff()) + beyond);
+    out.beyond_slopes = std::sqrt(std::max(0.0, (all - alone).maxCoeff()) + beyond);
   }
 
   const FitThermal& thermal_;
@@ -189,6 +269,25 @@ class Modeller {
   Eigen::Index error_;
   ThermalSearch search_;
 };
+
+/// C_kl = s_kl G_k G_l^T over the slopes of all models.
+Eigen::MatrixXd joint_covariance(const std::vector<Slopes>& models) {
+  Eigen::Index size = 0;
+  for (const Slopes& slopes : models) size += slopes.slope.size();
+  Eigen::MatrixXd C(size, size);
+  Eigen::Index row = 0;
+  for (const Slopes& k : models) {
+    Eigen::Index column = 0;
+    for (const Slopes& l : models) {
+      const double s_kl = k.residual.dot(l.residual) / std::sqrt(k.freedom * l.freedom);
+      C.block(row, column, k.slope.size(), l.slope.size()) =
+          s_kl * k.gain.topRows(k.slope.size()) * l.gain.topRows(l.slope.size()).transpose();
+      column += l.slope.size();
+    }
+    row += k.slope.size();
+  }
+  return C;
+}
 
 bool is_finite(const ThermalModel& model) {
   return std::isfinite(model.u + model.left + model.before) &&
@@ -226,10 +325,14 @@ ThermalFit fit_thermal(const FitThermal& thermal, const std::vector<DriftCourse>
   for (std::size_t s = 0; s < thermal.sensors.size(); ++s)
     if (!(temperatures.col(static_cast<Eigen::Index>(s)).norm() > 0)) out.still.push_back(thermal.sensors[s]);
   out.outside = outside(thermal, fitted, judging);
+  std::vector<Slopes> slopes;
   for (std::size_t k = 0; k < thermal.errors.size(); ++k) {
-    out.models.push_back(Modeller(thermal, fitted, judging, groups, static_cast<Eigen::Index>(k)).model());
-    out.finite = out.finite && is_finite(out.models.back());
+    Modelled found = Modeller(thermal, fitted, judging, groups, static_cast<Eigen::Index>(k)).model();
+    out.finite = out.finite && is_finite(found.model);
+    out.models.push_back(std::move(found.model));
+    slopes.push_back(std::move(found.slopes));
   }
+  out.covariance = joint_covariance(slopes);
   if (!out.finite) out.models.clear();
   return out;
 }

@@ -39,6 +39,15 @@ struct Log {
     const std::vector<double> T = first_order_lag(course.times, course.temperatures[sensor], lag);
     return Eigen::Map<const Eigen::VectorXd>(T.data(), static_cast<Eigen::Index>(T.size())).array() - 20;
   }
+  /// The same log begun later, when the machine is warm.
+  [[nodiscard]] DriftCourse from_row(std::size_t row) const {
+    const auto skip = static_cast<std::ptrdiff_t>(row);
+    DriftCourse late = course;
+    late.times.erase(late.times.begin(), late.times.begin() + skip);
+    for (std::vector<double>& T : late.temperatures) T.erase(T.begin(), T.begin() + skip);
+    late.errors = course.errors.bottomRows(course.errors.rows() - skip);
+    return late;
+  }
   void set_error(const Eigen::VectorXd& truth, double noise, std::uint64_t seed) {
     RandomStream random(seed);
     course.errors = truth;
@@ -141,6 +150,119 @@ TEST(ThermalFit, IntervalsOfLagsCoverTheTruth) {
     covered += std::abs(model.terms[0].slope - 3) < 1.98 * model.terms[0].u;
   }
   EXPECT_GE(covered, 52);  // 57 expected, 3 standard deviations
+}
+
+/// What a log tells of 3 um/K at 30 min, begun cold or an hour later.
+struct WarmStart {
+  Log log;
+  std::size_t row = 60;
+  FitThermal wanted = asked(1, FitThermal::Selection::all, FitThermal::Model::lag);
+  explicit WarmStart(std::uint64_t seed) : log(seed % 5 + 1, 361, 360, {5}) {
+    log.set_error(3 * log.lagged(0, 1800), 0.3, seed);
+  }
+  [[nodiscard]] ThermalModel warm(bool settled) const {
+    DriftCourse course = log.from_row(row);
+    course.settled = settled;
+    return fit_thermal(wanted, {course}).models.front();
+  }
+};
+
+TEST(ThermalFit, WarmStartsGiveTheSlopesOfColdOnes) {
+  const WarmStart machine(2);
+  const ThermalTerm cold = fit_thermal(machine.wanted, {machine.log.course}).models.front().terms.front();
+  const ThermalModel warm = machine.warm(false);
+  EXPECT_FALSE(warm.misfit);
+  ASSERT_EQ(warm.terms.size(), 1U);
+  EXPECT_LT(std::abs(warm.terms[0].slope - cold.slope), 3 * std::hypot(warm.terms[0].u, cold.u));
+  EXPECT_LT(warm.terms[0].u, 0.15);
+  // Taken for settled, the same log tells another slope.
+  const ThermalModel believed = machine.warm(true);
+  EXPECT_GT(std::abs(believed.terms[0].slope - cold.slope), 3 * std::hypot(believed.terms[0].u, cold.u));
+  EXPECT_TRUE(believed.starts.empty());
+}
+
+TEST(ThermalFit, StartsOfLogsAreFound) {
+  const WarmStart machine(2);
+  const ThermalModel warm = machine.warm(false);
+  ASSERT_EQ(warm.starts.size(), 1U);
+  const auto first = static_cast<Eigen::Index>(machine.row);
+  const double remembered =
+      3 * (machine.log.lagged(0, 1800)[first] - machine.log.lagged(0, 0)[first]);  // beside equilibrium
+  EXPECT_GT(std::abs(remembered), 3);
+  EXPECT_NEAR(warm.starts[0].value, remembered, 3 * warm.starts[0].u);
+  EXPECT_LT(warm.starts[0].u, 1);
+  EXPECT_EQ(warm.starts[0].lag, warm.terms[0].lag);
+}
+
+TEST(ThermalFit, IntervalsOfWarmLogsCoverTheTruth) {
+  int slopes = 0, starts = 0;
+  constexpr int kTrials = 60;
+  for (std::uint64_t seed = 1; seed <= kTrials; ++seed) {
+    const WarmStart machine(seed);
+    const ThermalModel warm = machine.warm(false);
+    const auto first = static_cast<Eigen::Index>(machine.row);
+    const double remembered = 3 * (machine.log.lagged(0, 1800)[first] - machine.log.lagged(0, 0)[first]);
+    slopes += std::abs(warm.terms[0].slope - 3) < 1.98 * warm.terms[0].u;
+    starts += std::abs(warm.starts[0].value - remembered) < 1.98 * warm.starts[0].u;
+  }
+  EXPECT_GE(slopes, 52);  // 57 expected, 3 standard deviations
+  EXPECT_GE(starts, 52);
+}
+
+TEST(ThermalFit, JudgingLogsMayBeginWarm) {
+  const WarmStart machine(2), other(3);
+  DriftCourse judge = other.log.from_row(60);
+  judge.validation = true;
+  const auto validated = [&] {
+    return fit_thermal(machine.wanted, {machine.log.course, judge}).models.front().validated.value_or(99);
+  };
+  EXPECT_LT(validated(), 0.4);
+  judge.settled = true;
+  EXPECT_GT(validated(), 0.6);
+}
+
+TEST(ThermalFit, SlopesOfSharedReadingsAreUncertainTogether) {
+  Log log(3, 121, 240, {5, 45});
+  log.set_error(2 * log.lagged(0, 0) - 3 * log.lagged(1, 0), 0.3, 9);
+  FitThermal thermal = asked(2, FitThermal::Selection::all, FitThermal::Model::linear);
+  thermal.errors = {"TZS", "TAS"};
+  // What disturbs one reading disturbs both errors: the tilt by half of it, the other way.
+  const Eigen::VectorXd noise = log.course.errors.col(0) - (2 * log.lagged(0, 0) - 3 * log.lagged(1, 0));
+  log.course.errors.conservativeResize(Eigen::NoChange, 2);
+  log.course.errors.col(1) = log.lagged(1, 0) - noise / 2;
+  const ThermalFit fit = fit_thermal(thermal, {log.course});
+  ASSERT_EQ(fit.covariance.rows(), 4);
+  const Eigen::Matrix2d own = fit.covariance.topLeftCorner<2, 2>();
+  EXPECT_TRUE(fit.covariance.topRightCorner(2, 2).isApprox(-own / 2, 1e-9));
+  EXPECT_TRUE(fit.covariance.bottomRightCorner(2, 2).isApprox(own / 4, 1e-9));
+  for (std::size_t i = 0; i < 2; ++i)
+    EXPECT_NEAR(fit.models[0].terms[i].u,
+                std::sqrt(own(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i))), 1e-12);
+  EXPECT_LT(fit.models[0].beyond_slopes, fit.models[0].u);
+}
+
+TEST(ThermalFit, StepsThatStartsExplainAreNamed) {
+  // The temperature steps between the first rows and stays: lagged, it is a constant and a start.
+  constexpr int kRows = 2000;
+  constexpr double kStep = 10, kLag = 3000;
+  DriftCourse course;
+  course.temperatures.emplace_back(kRows, 30.0);
+  course.temperatures[0][0] = 20;
+  course.errors.resize(kRows, 1);
+  for (int i = 0; i < kRows; ++i) {
+    course.times.push_back(kStep * i);
+    course.errors(i, 0) = 25 * std::exp(-kStep * i / kLag);
+  }
+  const FitThermal wanted = asked(1, FitThermal::Selection::all, FitThermal::Model::lag);
+  const ThermalModel model = fit_thermal(wanted, {course}).models.front();
+  EXPECT_TRUE(model.terms.empty());
+  EXPECT_EQ(model.undetermined, std::vector<std::string>{"T1"});
+  // If it began in equilibrium, the same readings tell -2.5 um/K.
+  course.settled = true;
+  const ThermalModel settled = fit_thermal(wanted, {course}).models.front();
+  ASSERT_EQ(settled.terms.size(), 1U);
+  EXPECT_NEAR(settled.terms[0].slope, -2.5, 0.01);
+  EXPECT_NEAR(settled.terms[0].lag, kLag, 0.01 * kLag);
 }
 
 TEST(ThermalFit, RidgeMeetsCollinearSensors) {

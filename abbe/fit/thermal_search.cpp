@@ -32,31 +32,35 @@ const Eigen::VectorXd& ThermalSearch::column(const ThermalInput& input) {
 }
 
 double ThermalSearch::left(const std::vector<ThermalInput>& inputs) {
-  const auto n = static_cast<Eigen::Index>(inputs.size());
-  Eigen::MatrixXd gram(n, n);
-  Eigen::VectorXd right(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Eigen::VectorXd& a = column(inputs[static_cast<std::size_t>(i)]);
-    right[i] = a.dot(y_);
-    for (Eigen::Index j = 0; j <= i; ++j)
-      gram(i, j) = gram(j, i) = a.dot(column(inputs[static_cast<std::size_t>(j)]));
-  }
-  return n == 0 ? y_.squaredNorm() : y_.squaredNorm() - right.dot(normal_solution(gram, right));
+  const LogFreedom freedom = columns_.freedom(inputs);
+  const Eigen::VectorXd y = freedom.taken_off(y_);
+  const Eigen::MatrixXd A = told(inputs, freedom);
+  const Eigen::VectorXd right = A.transpose() * y;
+  return inputs.empty() ? y.squaredNorm()
+                        : y.squaredNorm() - right.dot(normal_solution(A.transpose() * A, right));
 }
 
-double ThermalSearch::crossed(const std::vector<ThermalInput>& inputs) {
+Eigen::MatrixXd ThermalSearch::told(const std::vector<ThermalInput>& inputs, const LogFreedom& freedom) {
+  Eigen::MatrixXd A(columns_.rows(), static_cast<Eigen::Index>(inputs.size()));
+  for (std::size_t i = 0; i < inputs.size(); ++i)
+    A.col(static_cast<Eigen::Index>(i)) = freedom.told(column(inputs[i]));
+  return A;
+}
+
+double ThermalSearch::crossed(const std::vector<ThermalInput>& inputs, const LogFreedom& freedom) {
   // Columns: inputs, then one zero per log; every log has two blocks or more, so that all stay determined.
   const auto blocks = columns_.blocks();
   const auto n = static_cast<Eigen::Index>(inputs.size()), logs = static_cast<Eigen::Index>(columns_.logs());
   Eigen::MatrixXd X = Eigen::MatrixXd::Zero(columns_.rows(), n + logs);
-  for (Eigen::Index i = 0; i < n; ++i) X.col(i) = column(inputs[static_cast<std::size_t>(i)]);
+  X.leftCols(n) = told(inputs, freedom);
+  const Eigen::VectorXd y = freedom.taken_off(y_);
   for (Eigen::Index c = 0; c < logs; ++c) X.col(n + c) = columns_.indicator(static_cast<std::size_t>(c));
   const Eigen::MatrixXd gram = X.transpose() * X;
-  const Eigen::VectorXd right = X.transpose() * y_;
+  const Eigen::VectorXd right = X.transpose() * y;
   double sum = 0;
   for (const auto& [begin, end] : blocks) {
     const auto part = X.middleRows(begin, end - begin);
-    const auto values = y_.segment(begin, end - begin);
+    const auto values = y.segment(begin, end - begin);
     const Eigen::VectorXd x =
         normal_solution(gram - part.transpose() * part, right - part.transpose() * values);
     sum += (values - part * x).squaredNorm();
@@ -136,8 +140,11 @@ std::vector<ThermalInput> ThermalSearch::stepwise(const std::vector<std::size_t>
       std::vector<ThermalInput> tried = chosen;
       tried.push_back({candidate, 0});
       if (lags) tried = with_lags(std::move(tried));
-      const double value = crossed(tried);
+      const LogFreedom freedom = columns_.freedom(tried);
+      const double value = crossed(tried, freedom);
       if (!(value < best_value)) continue;
+      const std::vector<ThermalInput> without(tried.begin(), tried.end() - 1);
+      if (!(value < kWorthIt * crossed(without, freedom))) continue;
       best_value = value;
       best = std::move(tried);
     }
@@ -156,7 +163,8 @@ std::vector<std::size_t> ThermalSearch::best_of(const std::vector<std::vector<st
     double least = y_.squaredNorm();
     for (const std::size_t sensor : group) {
       std::vector<ThermalInput> alone = {{sensor, 0}};
-      if (lags) move_to_best_of_grid(alone, 0);
+      if (lags)
+        alone = with_lags(std::move(alone));  // between the lags of the grid another one may seem best
       const double value = left(alone);
       if (!(value < least)) continue;
       least = value;

@@ -39,10 +39,10 @@ struct Call {
 };
 
 /// Empty if the number does not stand at the start of exactly one line.
-Call lines_of_subprogram(const std::string& path, int number) {
+Call lines_of_subprogram(const std::string& path, FileGrowth* growth, int number) {
   constexpr std::size_t most = 200000;
   Call call;
-  auto opened = LineReader::open(path, false);
+  auto opened = LineReader::open(path, false, growth);
   if (std::holds_alternative<FileError>(opened)) return call;
   auto& lines = std::get<LineReader>(opened);
   bool taking = false, in_program = false;
@@ -130,7 +130,7 @@ struct ProgramReader::State {
     }
     constexpr std::size_t deepest = 4;
     if (calls.size() == deepest) return refuse_flow("too many subprograms inside each other");
-    Call call = lines_of_subprogram(path, flow);
+    Call call = lines_of_subprogram(path, options.growth, flow);
     if (call.lines.empty()) return refuse_flow("a subprogram that is not in this file once");
     calls.push_back(std::move(call));
     text = calls.back().lines.front();
@@ -395,7 +395,7 @@ ProgramReader& ProgramReader::operator=(ProgramReader&&) noexcept = default;
 
 FileResult<ProgramReader> ProgramReader::open(const std::string& path, const std::string& name,
                                               const ControlSetup& setup, const Options& options) {
-  auto lines = LineReader::open(path, options.hashed);
+  auto lines = LineReader::open(path, options.hashed, options.growth);
   if (auto* error = std::get_if<FileError>(&lines)) return std::move(*error);
   return ProgramReader(
       std::make_unique<State>(std::move(std::get<LineReader>(lines)), path, name, setup, options));

@@ -24,30 +24,47 @@ void add_expansion_options(CLI::App& verb, ExpansionArguments& arguments) {
       ->type_name("PPM");
 }
 
-std::optional<Machine> expanded_or_report(const ExpansionArguments& arguments, Machine machine,
-                                          Session& session) {
-  constexpr double kMostAway = 50, kMostPpm = 100;
-  if (!arguments.temperature && !arguments.ppm) return machine;
-  const auto fail = [&](const char* option, std::string message, std::string fix) {
-    Diagnostic error = option_error(option, std::move(message), std::move(fix));
-    error.code = "E-EXPANSION";
-    session.report(error);
-    return std::nullopt;
-  };
+namespace {
+
+std::nullopt_t fail(const char* option, std::string message, std::string fix, Session& session) {
+  Diagnostic error = option_error(option, std::move(message), std::move(fix));
+  error.code = "E-EXPANSION";
+  session.report(error);
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<WorkpieceExpansion> expansion_or_report(const ExpansionArguments& arguments, Session& session) {
+  constexpr double kMostAway = 50, kMostPpm = 100, kPpm = 1e-6;
+  if (!arguments.given()) return WorkpieceExpansion{};
   if (!arguments.temperature || !arguments.ppm)
     return fail(arguments.ppm ? "--workpiece-ppm" : "--workpiece-temperature",
-                "temperature and expansion of the workpiece go together", "give both, or neither");
+                "temperature and expansion of the workpiece go together", "give both, or neither", session);
   if (std::abs(*arguments.temperature - kStandardTemperature) > kMostAway)
     return fail("--workpiece-temperature",
                 fmt::format("{:g} degC is far from 20 degC", *arguments.temperature),
-                "expansion is linear near 20 degC only: check the number and its unit");
+                "expansion is linear near 20 degC only: check the number and its unit", session);
   if (*arguments.ppm < 0 || *arguments.ppm > kMostPpm)
     return fail("--workpiece-ppm", fmt::format("{:g} ppm per K is no metal", *arguments.ppm),
-                "state it in 1e-6 per K");
-  auto expanded = with_expansion(machine, {*arguments.temperature, *arguments.ppm * 1e-6});
+                "state it in 1e-6 per K", session);
+  return WorkpieceExpansion{*arguments.temperature, *arguments.ppm * kPpm};
+}
+
+void add_to_environment(const ExpansionArguments& arguments, Environment& environment) {
+  if (arguments.temperature) environment["workpiece degC"] = *arguments.temperature;
+  if (arguments.ppm) environment["workpiece ppm/K"] = *arguments.ppm;
+}
+
+std::optional<Machine> expanded_or_report(const ExpansionArguments& arguments, Machine machine,
+                                          Session& session) {
+  if (!arguments.given()) return machine;
+  const auto expansion = expansion_or_report(arguments, session);
+  if (!expansion) return std::nullopt;
+  auto expanded = with_expansion(machine, *expansion);
   if (auto* why = std::get_if<std::string>(&expanded))
     return fail("--workpiece-temperature", "this machine cannot follow the workpiece's expansion: " + *why,
-                "machine at 20 degC, or scale the program");
+                "machine at 20 degC, or scale the program", session);
   return std::move(std::get<Machine>(expanded));
 }
 

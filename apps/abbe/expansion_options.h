@@ -2,6 +2,8 @@
 
 #include <optional>
 
+#include "abbe/chain/plan.h"
+#include "abbe/machine/expansion.h"
 #include "abbe/machine/machine.h"
 #include "session.h"
 
@@ -14,9 +16,17 @@ namespace abbe::app {
 /// --workpiece-temperature and --workpiece-ppm: both, or neither.
 struct ExpansionArguments {
   std::optional<double> temperature, ppm;
+  [[nodiscard]] bool given() const { return temperature || ppm; }
 };
 
 void add_expansion_options(CLI::App& verb, ExpansionArguments& arguments);
+
+/// The expansion asked for (none without the options: strain 0); nullopt after reporting why not.
+[[nodiscard]] std::optional<WorkpieceExpansion> expansion_or_report(const ExpansionArguments& arguments,
+                                                                    Session& session);
+
+/// States what was given in the head of a program.
+void add_to_environment(const ExpansionArguments& arguments, Environment& environment);
 
 /// The machine with the workpiece's expansion as errors, or as it was without the options; nullopt after
 /// reporting why not.

@@ -131,7 +131,8 @@ std::optional<FitAnswer> answer_of(const std::string& path, const FitArguments& 
     return std::nullopt;
   }
   answer.errors = write_errors_file(answer.job, answer.result, answer.thermal);
-  if (arguments.covariance) answer.errors += write_uncertainty_modes(answer.result);
+  if (arguments.covariance)
+    answer.errors += write_uncertainty_modes(answer.job, answer.result, answer.thermal);
   const std::optional<Machine> machine = read_back(answer, session);
   if (!machine) return std::nullopt;
   answer.second_order = second_order(*machine, answer.observations);
@@ -174,7 +175,7 @@ std::string text_of(const FitAnswer& answer) {
     if (!missing.like.empty() || missing.asked)
       text += fmt::format("  {:<6} not determined: {}\n", missing.name,
                           missing.like.empty() ? "nothing shows it" : "like " + listed_names(missing.like));
-  return text + thermal_text(answer.thermal);
+  return text + thermal_text(answer.job, answer.thermal);
 }
 
 void write_found(JsonWriter& json, const FitResult& result) {
@@ -227,7 +228,7 @@ std::string json_of(const FitAnswer& answer) {
         .member("u", value.u)
         .end();
   json.end();
-  if (!answer.thermal.models.empty()) write_thermal(json, answer.thermal);
+  if (!answer.thermal.models.empty()) write_thermal(json, answer.job, answer.thermal);
   json.end();
   return json.take();
 }
@@ -266,7 +267,9 @@ std::string unlike_first(const FitJob& first, const FitJob& job) {
   if (job.machine.sha256 != first.machine.sha256) return "it is of another machine file than " + first.file;
   if (job.reference != first.reference)
     return "its functions are zero at another [reference] than those of " + first.file;
-  return job.drifts.empty() ? "" : "it has [[drift]], which is fitted by a job of its own";
+  return job.drifts.empty() ? ""
+                            : "it has [[drift]]: its log sees the grids too, so that one file of both would "
+                              "count them twice";
 }
 
 /// True if the errors read back, and what they depend on is a sensor: an axis would be read as its position.
@@ -287,7 +290,8 @@ void run_states(const FitArguments& arguments, Session& session) {
     session.report(about_job(job, Severity::error, "E-FIT-STATES", std::move(message), why, fix));
   };
   if (arguments.covariance) {
-    session.report(option_error("--covariance", "grids of several states have no modes of uncertainty",
+    session.report(option_error("--covariance",
+                                "what the states share (scales, squares) is not known, so there are no modes",
                                 "leave it out: [uncertainty] is written"));
     return;
   }

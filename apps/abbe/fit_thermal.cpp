@@ -24,6 +24,14 @@ std::string joined(const std::vector<std::string>& names, const char* separator)
   return text;
 }
 
+/// The files of the logs fitted, in the order of ThermalStart::log.
+std::vector<std::string> fitted_files(const FitJob& job) {
+  std::vector<std::string> out;
+  for (const FitDrift& drift : job.drifts)
+    if (!drift.validation) out.push_back(drift.file);
+  return out;
+}
+
 void doubt_model(const FitJob& job, const ThermalModel& model, Session& session) {
   constexpr double kWorse = 2;
   const auto warn = [&](const char* code, std::string message, const char* why, const char* fix) {
@@ -35,6 +43,12 @@ void doubt_model(const FitJob& job, const ThermalModel& model, Session& session)
                      unit_of(model), model.left / std::max(model.noise, 1e-9)),
          "a heat source without a sensor, a lag, or a drift that is not of temperature",
          "add a sensor, model = \"lag\", or more sensors (most_sensors)");
+  for (const std::string& sensor : model.undetermined)
+    warn("W-THERMAL-START",
+         fmt::format("{}: the part of {} cannot be told from the state in which the logs began", model.name,
+                     sensor),
+         "its temperature stepped as a log began and stayed: what follows dies away as an unknown start does",
+         "log more changes of load; or start = \"settled\" if the machine had stood for hours");
   const double expected = std::max(model.left, model.noise);
   if (model.validated && *model.validated > kWorse * expected)
     warn("W-THERMAL-VALIDATION",
@@ -85,8 +99,9 @@ void report_thermal_doubts(const FitJob& job, const ThermalFit& fit, Session& se
          "a fit always meets the logs it was made from", "keep one back: use = \"validation\"");
 }
 
-std::string thermal_text(const ThermalFit& fit) {
+std::string thermal_text(const FitJob& job, const ThermalFit& fit) {
   if (fit.models.empty()) return {};
+  const std::vector<std::string> files = fitted_files(job);
   std::string text = "\nthermal errors\n  sensors that say nearly the same:";
   for (const auto& group : fit.groups) text += " {" + joined(group, " ") + "}";
   text += '\n';
@@ -100,11 +115,15 @@ std::string thermal_text(const ThermalFit& fit) {
       text += fmt::format("           {:+9.4f} u {:.4f} {}/K  {:<24} {:6.1f} to {:6.1f} degC\n", term.slope,
                           term.u, unit_of(model), variable_of(term), term.lo, term.hi);
     if (model.terms.empty()) text += "           no sensor explains it\n";
+    for (const ThermalStart& start : model.starts)
+      text += fmt::format("           {:+9.3f} u {:.3f} {} left over when {} began, dying away in {:.0f} s\n",
+                          start.value, start.u, unit_of(model), files[start.log], start.lag);
   }
   return text;
 }
 
-void write_thermal(JsonWriter& json, const ThermalFit& fit) {
+void write_thermal(JsonWriter& json, const FitJob& job, const ThermalFit& fit) {
+  const std::vector<std::string> files = fitted_files(job);
   json.key("thermal").begin_object().key("groups").begin_array();
   for (const auto& group : fit.groups) json.begin_object(Layout::one_line).member("sensors", group).end();
   json.end().key("models").begin_array();
@@ -126,7 +145,15 @@ void write_thermal(JsonWriter& json, const ThermalFit& fit) {
           .member("from_degC", term.lo)
           .member("to_degC", term.hi)
           .end();
-    json.end().end();
+    json.end().key("starts").begin_array();
+    for (const ThermalStart& start : model.starts)
+      json.begin_object(Layout::one_line)
+          .member("file", files[start.log])
+          .member("lag_s", start.lag)
+          .member("value", start.value)
+          .member("u", start.u)
+          .end();
+    json.end().member("undetermined", model.undetermined).end();
   }
   json.end().end();
 }

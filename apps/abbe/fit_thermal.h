@@ -17,8 +17,8 @@ namespace abbe::app {
 /// What the numbers say against themselves.
 void report_thermal_doubts(const FitJob& job, const ThermalFit& fit, Session& session);
 
-[[nodiscard]] std::string thermal_text(const ThermalFit& fit);
+[[nodiscard]] std::string thermal_text(const FitJob& job, const ThermalFit& fit);
 /// A member "thermal" of the object that is open.
-void write_thermal(JsonWriter& json, const ThermalFit& fit);
+void write_thermal(JsonWriter& json, const FitJob& job, const ThermalFit& fit);
 
 }  // namespace abbe::app

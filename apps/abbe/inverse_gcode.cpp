@@ -67,7 +67,8 @@ void tell(const GcodeReport& report, const CommonArguments& common, const std::s
                   output, report.motions, report.blocks, report.max_correction / um, report.max_turn / urad));
 }
 
-std::vector<std::string> header_of(const GcodeJob& job, const Plan& plan, const Setting& setting) {
+std::vector<std::string> header_of(const GcodeJob& job, const Plan& plan, const Setting& setting,
+                                   const ExpansionArguments& expansion) {
   ProgramReport report;
   report.verb = "inverse";
   report.program_version = ABBE_VERSION;
@@ -75,6 +76,7 @@ std::vector<std::string> header_of(const GcodeJob& job, const Plan& plan, const 
   report.machine = &plan.machine();
   report.model = setting.model;
   report.environment = setting.environment;
+  add_to_environment(expansion, report.environment);
   report.setup = job.setup;
   report.datum = job.probed_datum ? DatumRule::probed : DatumRule::ideal;
   report.tolerance = job.tolerance;
@@ -139,6 +141,14 @@ void write_gcode(const CommonArguments& common, const PoseArguments& poses, bool
                                 "abbe inverse MACHINE --poses part.cls --emit gcode -o part.ngc"));
     return;
   }
+  if (poses.expansion.given() && (ideal || is_cl_data("", poses.poses))) {
+    Diagnostic error = option_error(
+        "--workpiece-temperature",
+        ideal ? "a program of the ideal machine is not for one temperature" : "CL data are not scaled",
+        "poses as CSV (--poses part.csv), without --ideal");
+    error.code = "E-EXPANSION";
+    return session.report(error);
+  }
   const auto setting = load_program_setting(program, poses.poses, session);
   if (!setting) return;
   GcodeJob job;
@@ -150,7 +160,7 @@ void write_gcode(const CommonArguments& common, const PoseArguments& poses, bool
   job.probed_datum = setting->job.datum == DatumRule::probed;
   job.tolerance = setting->job.tolerance;
   job.max_correction = setting->job.max_correction;
-  job.header = header_of(job, setting->plan, setting->setting);
+  job.header = header_of(job, setting->plan, setting->setting, poses.expansion);
   std::optional<SpoolFile> converted;
   if (!is_cl_data("", poses.poses)) {
     if (!a.feed)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <variant>
 
+#include "abbe/chain/expanded_prediction.h"
 #include "abbe/core/units.h"
 #include "common.h"
 
@@ -25,6 +26,7 @@ void add_pose_options(CLI::App& verb, PoseArguments& arguments) {
                   "where the machine stands: the nearest solution is taken (all axes at 0)")
       ->type_name("AXIS=VALUE,..")
       ->allow_extra_args(false);
+  add_expansion_options(verb, arguments.expansion);
 }
 
 std::array<double, kMaxAxes> read_near(const Machine& machine, const std::vector<std::string>& near,
@@ -48,6 +50,7 @@ std::string PoseSource::where() const { return csv_ ? fmt::format("{}:{}", file_
 bool PoseSource::take(const std::array<double, 6>& numbers) {
   for (int k = 0; k < 3; ++k)
     pose_.position[k] = numbers[static_cast<std::size_t>(k)] * length_unit_[static_cast<std::size_t>(k)];
+  pose_.position = expanded(pose_.position, expansion_);
   pose_.direction = Vec3(numbers[3], numbers[4], numbers[5]);
   return pose_.direction.stableNorm() > 0;
 }
@@ -55,6 +58,9 @@ bool PoseSource::take(const std::array<double, 6>& numbers) {
 std::optional<PoseSource> PoseSource::open(const PoseArguments& arguments, double length_unit,
                                            const std::vector<std::string>& also, Session& session) {
   PoseSource source(length_unit);
+  const auto expansion = expansion_or_report(arguments.expansion, session);
+  if (!expansion) return std::nullopt;
+  source.expansion_ = *expansion;
   if (arguments.poses.empty()) {
     if (arguments.pose.empty()) {
       session.report(option_error("--pose", "no pose is given", "give --pose x,y,z,i,j,k or --poses FILE"));

@@ -11,6 +11,7 @@
 #include "abbe/core/linear_algebra.h"
 #include "abbe/machine/machine.h"
 #include "csv.h"
+#include "expansion_options.h"
 #include "session.h"
 
 namespace abbe::app {
@@ -18,9 +19,10 @@ namespace abbe::app {
 struct PoseArguments {
   std::string pose, poses;
   std::vector<std::string> near;
+  ExpansionArguments expansion;
 };
 
-/// --pose, --poses and --near.
+/// --pose, --poses, --near, and those of the workpiece's expansion.
 void add_pose_options(CLI::App& verb, PoseArguments& arguments);
 
 /// Positions of --near: where the machine stands, so that the nearest solution is taken.
@@ -33,8 +35,8 @@ struct ToolPose {
   Vec3 position = Vec3::Zero(), direction = Vec3::UnitZ();
 };
 
-/// --pose, or the rows of --poses. Columns x y z (the machine file's length unit) or x_mm y_mm z_mm, and
-/// i j k.
+/// --pose, or the rows of --poses, expanded about the workpiece's origin if the workpiece is warm. Columns x
+/// y z (the machine file's length unit) or x_mm y_mm z_mm, and i j k.
 class PoseSource {
  public:
   /// also   further columns that the verb reads; others are ignored with a warning
@@ -57,6 +59,7 @@ class PoseSource {
   [[nodiscard]] bool take(const std::array<double, 6>& numbers);
 
   std::array<double, 3> length_unit_;
+  WorkpieceExpansion expansion_;
   std::optional<CsvReader> csv_;
   std::string file_;
   std::array<std::size_t, 6> columns_{};

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "abbe/chain/correct.h"
+#include "abbe/chain/expanded_prediction.h"
 #include "abbe/core/units.h"
 #include "abbe/report/json_writer.h"
 #include "common.h"
@@ -149,12 +150,11 @@ std::string summary_text(const Setting& setting, const Summary& summary) {
 }
 
 void predict_points(const CommonArguments& common, const PointArguments& arguments,
-                    const ExpansionArguments& expansion, Session& session) {
-  std::optional<Setting> setting = load_setting(common, session);
+                    const ExpansionArguments& workpiece, Session& session) {
+  const std::optional<Setting> setting = load_setting(common, session);
   if (!setting) return;
-  auto expanded = expanded_or_report(expansion, std::move(setting->machine), session);
-  if (!expanded) return;
-  setting->machine = std::move(*expanded);
+  const std::optional<WorkpieceExpansion> expansion = expansion_or_report(workpiece, session);
+  if (!expansion) return;
   std::optional<PointSource> source = PointSource::open(arguments, *setting, session);
   if (!source) return;
 
@@ -172,7 +172,10 @@ void predict_points(const CommonArguments& common, const PointArguments& argumen
   ProgressBar bar("predict", common.json && !source->single());
   while (!interrupted() && session.out.ok() && source->next(session)) {
     const Query query = source->query();
-    const Prediction prediction = predict(source->plan(), query);
+    const Prediction prediction =
+        workpiece.given()
+            ? expanded(predict(source->plan(), query), nominal_pose(source->plan(), query), *expansion)
+            : predict(source->plan(), query);
     if (!prediction.finite) {
       Diagnostic overflow = option_error(source->where(), "the numbers are too large to calculate with");
       overflow.code = "E-RANGE";

@@ -201,7 +201,7 @@ namespace {
 /// Adds the workpiece's expansion; false after reporting why that would be a guess.
 bool expand_workpiece(const ProgramArguments& a, const std::string& program, Setting& setting,
                       Session& session) {
-  if (!a.expansion.temperature && !a.expansion.ppm) return true;
+  if (!a.expansion.given()) return true;
   const Machine& machine = setting.machine;
   const bool turns = std::any_of(machine.bodies.begin(), machine.bodies.end(),
                                  [](const Body& body) { return body.type == AxisType::rotary; });
@@ -283,8 +283,7 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, co
   job.model = setting->model;
   job.environment = setting->environment;
   // Header and report say what part the program was made for. Names of sensors hold no blanks.
-  if (a.expansion.temperature) job.environment["workpiece degC"] = *a.expansion.temperature;
-  if (a.expansion.ppm) job.environment["workpiece ppm/K"] = *a.expansion.ppm;
+  add_to_environment(a.expansion, job.environment);
   job.setup = std::move(setup);
   job.datum = a.datum == "probed" ? DatumRule::probed : DatumRule::ideal;
   job.reversal = a.reversal;

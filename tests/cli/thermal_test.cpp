@@ -76,6 +76,37 @@ TEST_F(Thermal, LogsBecomeErrorsThatALogAnswers) {
   EXPECT_GT(std::abs(z_of("hidden.toml")), 2e-3);
 }
 
+TEST_F(Thermal, LogsMayBeginWarm) {
+  ASSERT_EQ(run({"simulate", "drift", job_, "--errors", "hidden.toml", "--seed", "2"}).exit, 0);
+  std::ifstream cold(folder_ / "a.csv");
+  std::string warm;
+  int row = 0;
+  for (std::string line; std::getline(cold, line); ++row)
+    if (row == 0 || row > 100) warm += line + '\n';
+  folder_.put("a.csv", warm);
+  const json model = ask({"fit", job_})["thermal"]["models"][0];
+  ASSERT_EQ(model["terms"].size(), 1U);
+  EXPECT_NEAR(model["terms"][0]["slope_per_K"].get<double>(), 3, 0.3);
+  EXPECT_NEAR(model["terms"][0]["lag_s"].get<double>(), 1800, 200);
+  ASSERT_EQ(model["starts"].size(), 1U);
+  EXPECT_THAT(run({"fit", job_}).out, HasSubstr("left over when " + folder_ / "a.csv" + " began"));
+}
+
+TEST_F(Thermal, MapsAreAsUncertainAsTheirTemperatures) {
+  ASSERT_EQ(run({"simulate", "drift", job_, "--errors", "hidden.toml", "--seed", "2"}).exit, 0);
+  const json fit = ask({"fit", job_, "--covariance", "-o", folder_ / "errors.toml"})["thermal"]["models"][0];
+  const std::string variable = fit["terms"][0]["variable"];
+  const auto u_z = [&](int degrees) {
+    return ask({"map", "mill.toml", "--errors", "errors.toml", "--count", "2", "--trials", "0", "--set",
+                variable + "=" + std::to_string(degrees),
+                "--uncertainty"})["uncertainty"]["first_order"]["max_u_um"][2]
+        .get<double>();
+  };
+  const double u = fit["terms"][0]["u"], beyond = u_z(20);
+  EXPECT_GT(beyond, 0);
+  EXPECT_NEAR(u_z(26), std::hypot(beyond, 6 * u), 1e-3 * u_z(26));
+}
+
 TEST_F(Thermal, ShortLogsAreWarnedOf) {
   folder_.put("log.csv", "time [min],spindle [degC]\n0,20\n10,25\n");
   const ProgramRun run_short = run(
@@ -151,6 +182,57 @@ TEST_F(Thermal, WarmWorkpiecesAreCutLarger) {
                  "--workpiece-temperature", "30"})
                 .exit,
             2);
+}
+
+TEST_F(Thermal, WarmWorkpiecesOfTurningTools) {
+  // B carries the tool: no errors of the chain can say it, but poses and predictions can.
+  folder_.put(
+      "five.toml",
+      "format = 1\n[machine]\nname = \"five\"\nchain = \"w C b X Y Z B t\"\n[axis.C]\ndirection = [0, 0, "
+      "1]\n[axis.B]\ndirection = [0, 1, 0]\norigin = [0, 0, 400]\n[tool]\norigin = [0, 0, 400]\nlength = "
+      "100\n[errors]\nEC0Y = 10\n");
+  const std::vector<std::string> warm = {"--workpiece-temperature", "30", "--workpiece-ppm", "11.5"};
+  const auto answer = [&](std::vector<std::string> arguments, bool is_warm) {
+    if (is_warm) arguments.insert(arguments.end(), warm.begin(), warm.end());
+    return ask(std::move(arguments))["points"][0];
+  };
+  const std::vector<std::string> predict = {"predict", "five.toml", "--at", "X=100,Y=0,Z=0,B=30,C=20"};
+  const json cold_point = answer(predict, false), warm_point = answer(predict, true);
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(warm_point["deviation"]["position_mm"][k].get<double>() -
+                    cold_point["deviation"]["position_mm"][k].get<double>(),
+                -115e-6 * cold_point["nominal"]["position_mm"][k].get<double>(), 1e-9);
+  // What the poses of a warm part ask for is what poses 115 ppm further out ask for.
+  folder_.put("d.csv",
+              "gear_static_x_um,gear_static_y_um,gear_static_z_um,gear_static_a_urad,gear_static_b_urad,"
+              "gear_static_c_urad\n10,0,-5,0,20,0\n");
+  for (const std::vector<std::string>& verb : {std::vector<std::string>{"inverse", "five.toml"},
+                                               {"cl-correct", "five.toml", "--deviations", "d.csv"}}) {
+    const auto q_of = [&](const char* pose, bool is_warm) {
+      std::vector<std::string> arguments = verb;
+      arguments.insert(arguments.end(), {"--pose", pose});
+      return answer(arguments, is_warm)["q"];
+    };
+    const json of_warm = q_of("100,50,20,0.5,0,0.8660254", true),
+               of_scaled = q_of("100.0115,50.00575,20.0023,0.5,0,0.8660254", false);
+    for (const char* axis : {"X", "Y", "Z", "B", "C"})
+      EXPECT_NEAR(of_warm[axis].get<double>(), of_scaled[axis].get<double>(), 1e-9) << verb[0] << axis;
+  }
+  // As a program: from CSV, with its head saying so; CL data are not scaled.
+  folder_.put("poses.csv", "x,y,z,i,j,k\n0,0,50,0,0,1\n100,50,20,0.5,0,0.8660254\n");
+  std::vector<std::string> emit = {"inverse", "five.toml", "--poses", "poses.csv", "--emit",
+                                   "gcode",   "--feed",    "500",     "-o",        "out.ngc"};
+  emit.insert(emit.end(), warm.begin(), warm.end());
+  const ProgramRun program = run(emit);
+  ASSERT_EQ(program.exit, 0) << program.err;
+  std::ifstream file(folder_ / "out.ngc");
+  std::stringstream text;
+  text << file.rdbuf();
+  EXPECT_THAT(text.str(), HasSubstr("(ABBE WORKPIECE DEGC = 30)"));
+  folder_.put("part.cls", "UNITS/MM\nMULTAX/ON\nFEDRAT/500,MMPM\nGOTO/0,0,50,0,0,1\nFINI\n");
+  emit[3] = "part.cls";
+  EXPECT_THAT(run(emit).err, HasSubstr("E-EXPANSION"));
+  EXPECT_EQ(run({"inverse", "five.toml", "--pose", "1,2,3,0,0,1", "--workpiece-ppm", "11.5"}).exit, 2);
 }
 
 }  // namespace

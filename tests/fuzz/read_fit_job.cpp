@@ -68,8 +68,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   for (const abbe::ThermalModel& model : thermal.models) require(std::isfinite(model.u + model.left));
   // What is written is read, if the fit is one.
   if (result.status != abbe::FitResult::Status::ok || !thermal.finite) return 0;
-  const std::string errors =
-      abbe::write_errors_file(*job.value, result, thermal) + abbe::write_uncertainty_modes(result);
+  const std::string errors = abbe::write_errors_file(*job.value, result, thermal) +
+                             abbe::write_uncertainty_modes(*job.value, result, thermal);
   const auto machine = abbe::read_machine({"m.toml", kMachine}, abbe::MachineText{"e.toml", errors}, {});
   if (machine.value) (void)abbe::read_uncertainty_modes(*machine.value, {"e.toml", errors}, {});
   return 0;
