@@ -120,9 +120,7 @@ void Rewriter::write_header(std::string& out) {
   header_written_ = true;
   const std::string_view eol = file_eol_.empty() ? std::string_view("\n") : std::string_view(file_eol_);
   for (const auto& line : job_.header) {
-    const bool brackets = !profile_.text.conversational;
-    if (!brackets) out += ';';
-    out += brackets || line.size() < 2 ? line : line.substr(1, line.size() - 2);
+    out += line;
     out += eol;
     ++report_.lines_out;
   }

@@ -292,7 +292,9 @@ TEST(Klartext, TheHeaderStandsBehindTheFirstBlock) {
   job.header = HeaderForm::inline_comments;
   const ProgramRun run = run_program(plan_of(tilted("")), program, job);
   ASSERT_EQ(run.outcome.end, ProgramEnd::done) << findings(run.outcome);
-  EXPECT_EQ(run.output.find("0 BEGIN PGM A MM\n1 ;ABBE COMPENSATED"), 0U) << run.output;
+  EXPECT_EQ(run.output.find("0 BEGIN PGM A MM\n1 ;ABBE COMPENSATED - DO NOT EDIT - DO NOT RE-COMPENSATE\n"),
+            0U)
+      << run.output;
   expect_counted(run.output);
   const ProgramRun again = run_program(plan_of(tilted("")), run.output, job);
   EXPECT_EQ(again.outcome.end, ProgramEnd::refused);

@@ -118,23 +118,26 @@ std::string_view without_eol(std::string_view line) {
   return line;
 }
 
-namespace {
-
-std::optional<BlockError> read_words(std::string_view line, Block& block, bool numbered_skip) {
+std::optional<BlockError> begin_block(std::string_view line, Block& block) {
   block.text = without_eol(line);
   block.eol = line.substr(block.text.size());
   block.slash = block.percent = block.has_comment = block.has_semicolon = false;
   block.slash_begin = block.slash_end = block.words_end = 0;
   block.count = 0;
+  if (block.text.size() <= kMaxBlockBytes) return std::nullopt;
+  return BlockError{"E-LINELEN",
+                    kMaxBlockBytes,
+                    1,
+                    fmt::format("the line has {} bytes, {} is the limit", block.text.size(), kMaxBlockBytes),
+                    "the control refuses longer lines",
+                    "break the block into two"};
+}
+
+namespace {
+
+std::optional<BlockError> read_words(std::string_view line, Block& block, bool numbered_skip) {
+  if (auto error = begin_block(line, block)) return error;
   const std::string_view text = block.text;
-  if (text.size() > kMaxBlockBytes) {
-    return BlockError{"E-LINELEN",
-                      kMaxBlockBytes,
-                      1,
-                      fmt::format("the line has {} bytes, {} is the limit", text.size(), kMaxBlockBytes),
-                      "the control refuses longer lines",
-                      "break the block into two"};
-  }
   std::size_t at = skip_blanks(text, 0);
   if (at < text.size() && text[at] == '%') {
     const std::size_t rest = skip_blanks(text, at + 1);

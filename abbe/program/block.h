@@ -73,6 +73,9 @@ inline constexpr std::size_t kMaxBlockBytes = 254;
 [[nodiscard]] std::optional<BlockError> read_block(std::string_view line, Block& block,
                                                    bool numbered_skip = false);
 
+/// Gives the block the line and no words. errors   E-LINELEN: the line is longer than kMaxBlockBytes
+[[nodiscard]] std::optional<BlockError> begin_block(std::string_view line, Block& block);
+
 /// Splits end-of-line bytes off a line.
 [[nodiscard]] std::string_view without_eol(std::string_view line);
 

@@ -271,9 +271,7 @@ class KlartextLine {
       if (word == "F" || word == "FMAX") {
         error = read_feed(begin, word.size() > 1);
       } else if (word == "M") {
-        error = read_value('M', begin);
-        Word& code = block_.words[static_cast<std::size_t>(block_.count) - 1];
-        if (!error && code.value == 91) error = make_machine_place(code);
+        error = read_function(begin);
       } else if (word == "R" && at_ < end_ && text_[at_] == '0' &&
                  (at_ + 1 == end_ || is_blank(text_[at_ + 1]))) {
         error = add('G', begin, begin, ++at_, kNoRadius);
@@ -284,6 +282,13 @@ class KlartextLine {
       }
       if (error) return error;
     }
+    return std::nullopt;
+  }
+  std::optional<BlockError> read_function(std::size_t begin) {
+    constexpr double kMachinePlaces = 91;
+    if (auto error = read_value('M', begin)) return error;
+    Word& code = block_.words[static_cast<std::size_t>(block_.count) - 1];
+    if (code.value == kMachinePlaces) return make_machine_place(code);
     return std::nullopt;
   }
   // M91: the coordinates are the machine's own.
@@ -480,24 +485,11 @@ std::optional<BlockNumber> read_block_number(std::string_view line) {
 
 std::optional<BlockError> read_klartext_block(std::string_view line, const Profile& profile,
                                               KlartextContext& context, Block& block) {
-  block.text = without_eol(line);
-  block.eol = line.substr(block.text.size());
-  block.slash = block.percent = block.has_comment = block.has_semicolon = false;
-  block.slash_begin = block.slash_end = block.words_end = 0;
-  block.count = 0;
   block.pole = Block::Pole::none;
   block.increments = 0;
   block.continues = context.open;
   block.style = {true, context.comma};
-  if (block.text.size() > kMaxBlockBytes) {
-    return BlockError{
-        "E-LINELEN",
-        kMaxBlockBytes,
-        1,
-        fmt::format("the line has {} bytes, {} is the limit", block.text.size(), kMaxBlockBytes),
-        "longer lines are not read",
-        "break the block into two"};
-  }
+  if (auto error = begin_block(line, block)) return error;
   return KlartextLine(profile, context, block).read();
 }
 

@@ -248,20 +248,7 @@ class NamedLine {
 }  // namespace
 
 std::optional<BlockError> read_named_block(std::string_view line, const Profile& profile, Block& block) {
-  block.text = without_eol(line);
-  block.eol = line.substr(block.text.size());
-  block.slash = block.percent = block.has_comment = block.has_semicolon = false;
-  block.slash_begin = block.slash_end = block.words_end = 0;
-  block.count = 0;
-  if (block.text.size() > kMaxBlockBytes) {
-    return BlockError{
-        "E-LINELEN",
-        kMaxBlockBytes,
-        1,
-        fmt::format("the line has {} bytes, {} is the limit", block.text.size(), kMaxBlockBytes),
-        "longer lines are not read",
-        "break the block into two"};
-  }
+  if (auto error = begin_block(line, block)) return error;
   return NamedLine(profile, block).read();
 }
 

@@ -161,6 +161,11 @@ Verb diff_verb(CLI::App& program, Session& session) {
       verb, [arguments, &session] {
         const auto profile = load_profile(arguments->profile, session);
         if (!profile) return;
+        if (profile->text.conversational) {
+          return session.report(option_error(
+              "--dialect", "conversational programs are not compared word by word: blocks are renumbered",
+              "see that they are the same program with abbe verify"));
+        }
         std::size_t listed = 0;
         std::string changes;
         JsonWriter json;

@@ -52,6 +52,32 @@ TEST(Profiles, AreListedAndExplained) {
   EXPECT_THAT(run_abbe({"profiles", "--meanings"}).out, HasSubstr("numbered-work-offset"));
 }
 
+// What a user does with a program of this control: compensated, verified, and not compared word by word.
+TEST(Heidenhain, AConversationalProgramIsCompensatedAndVerified) {
+  const Folder folder;
+  const std::string machine = folder.put("m.toml", kMachine),
+                    tools = folder.put("tool.tbl", "T1 P1 Z100 D10\n"),
+                    program =
+                        folder.put("part.h",
+                                   "0 BEGIN PGM PART MM\n1 TOOL CALL 1 Z S3000\n2 L X+10 Y+10 R0 FMAX M3\n"
+                                   "3 L Z+2 FMAX M8\n4 L X+60 IY+5 F500\n5 CC X+60 Y+25\n6 C X+70 Y+25 DR+\n"
+                                   "7 CR X+80 Y+35 R+10 DR-\n8 L Z+100 FMAX M9\n9 END PGM PART MM\n"),
+                    output = folder.path() + "/out.h";
+  const std::vector<std::string> setup = {"--dialect",    "heidenhain", "--offset",
+                                          "G54=X0,Y0,Z0", "--tools",    tools};
+  const auto with = [&](std::vector<std::string> words) {
+    words.insert(words.end(), setup.begin(), setup.end());
+    return run_abbe(words);
+  };
+  const auto done = with({"compensate", machine, program, "-o", output});
+  EXPECT_EQ(done.exit, 0) << done.err;
+  EXPECT_EQ(with({"verify", machine, program, output}).exit, 0);
+  EXPECT_EQ(with({"compensate", machine, output, "-o", folder.path() + "/again.h"}).exit, 3);
+  const auto diff = run_abbe({"diff", program, output, "--dialect", "heidenhain"});
+  EXPECT_EQ(diff.exit, 2);
+  EXPECT_THAT(diff.err, HasSubstr("abbe verify"));
+}
+
 TEST(Profiles, MistakesAreTold) {
   const Folder folder;
   const std::string file =

@@ -53,8 +53,6 @@ HOW = {
     "gcode/lcnc-interp-g81-g17-g98/g17-g98-g81.ngc": [("linuxcnc", "XYZ/32", [])],
     "gcode/lcnc-interp-g81-g17-g99/g17-g99-g81.ngc": [("linuxcnc", "XYZ/32", [])],
     "gcode/lcnc-interp-g84-g17-g98/g17-g98-g84.ngc": [("linuxcnc", "XYZ/32", [])],
-    "gcode/hh-Plan.h": [("iso", "XYZ", [])],
-    "gcode/nx-dmc75v-heidenhain.h": [("iso", "XYZ", [])],
     "gcode/nx-mikron-wf21d-heidenhain.ptp": [("iso", "XYZ", [])],
     "gcode/nx-dmc160u-millplus.ptp": [("iso", "XYZ", [])],
     "gcode/nx-okuma-7000m.txt": [("iso", "XYZ", [])],
@@ -68,6 +66,7 @@ HOW = {
     "cldata/shimemcunha/shimemcunha.apt": [("cl", "XYZBC/4", [])],
 }
 USUAL = [("linuxcnc", "XYZ", [])]
+KLARTEXT = [("heidenhain", "XYZ", [])]
 CHAINS = {
     "XYZ": "w b X Y Z t",
     "XYZAC": "w C A b X Y Z t",
@@ -105,6 +104,11 @@ def machine(kind, seed):
                 continue
             text += f"E{direction}{axis} = {{ sine = [{draw.uniform(-10, 10):.6g}, 0.0174532925, {draw.uniform(-3, 3):.6g}] }}\n"
     return text
+
+
+def ways(program):
+    """For which controls and machines a program is read."""
+    return HOW.get(program, KLARTEXT if program.endswith(".h") else USUAL)
 
 
 def command_of(way, abbe, folder, machine_file, program, output):
@@ -164,7 +168,7 @@ def cell(text):
 def table(programs, answers, seeds):
     accepted = [key for key in answers if answers[key]["accepted"]]
     refused = [key for key in answers if not answers[key]["accepted"]]
-    kind = {(n, way[0]): way[1] for n in programs for way in HOW.get(n, USUAL)}
+    kind = {(n, way[0]): way[1] for n in programs for way in ways(n)}
     text = f"""# Corpus
 
 Made by `tests/corpus/corpus.py ABBE SOURCE --write`. Every program collected from others ({len(programs)}, some of them for several controls; none of them was written for
@@ -212,7 +216,7 @@ def main():
     arguments.add_argument("--write", action="store_true")
     a = arguments.parse_args()
     data = a.source.parent / "shared" / "data"
-    found = [p for top in ("gcode", "cldata") for p in sorted((data / top).rglob("*")) if p.suffix in INTO and "expected" not in p.parts]
+    found = [p for top in ("gcode", "cldata") for p in sorted((data / top).rglob("*")) if p.suffix in INTO and ("expected" not in p.parts or p.suffix == ".h")]
     if not found:
         print(f"no {data}: skipped")
         sys.exit(SKIPPED)
@@ -225,7 +229,7 @@ def main():
         (folder / "tool.tbl").write_text("".join(f'T{n} P{n} Z100 D10 ; gauge=100\n' for n in range(1, 200)))
         for key, program in programs.items():
             if a.write or program.read_bytes().count(10) <= SHORT:
-                for way in HOW.get(key, USUAL):
+                for way in ways(key):
                     answers[key, way[0]] = judge(key, way, a.abbe, program, folder, seeds)
     if a.write:
         kept = document.read_text().partition(BY_HAND)[2] if document.exists() else "\n"

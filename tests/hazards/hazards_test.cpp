@@ -147,7 +147,8 @@ TEST(HazardLaws, IntegerWordsCountWhatTheFlagSays) {
 /// Codes of other controls that the programs of this folder meet, on each of them: handled or refused, never
 /// moved.
 TEST(HazardLaws, UnknownCodesAreRefusedOnEveryControl) {
-  for (const char* dialect : {"linuxcnc", "fanuc", "haas", "grbl", "grblhal", "iso", "siemens"}) {
+  for (const char* dialect :
+       {"linuxcnc", "fanuc", "haas", "grbl", "grblhal", "iso", "siemens", "heidenhain"}) {
     for (const char* name : {"h17_variables", "h18_unknown_codes", "h25_cutter_compensation", "h28_checksum",
                              "h29_subprograms", "h30_nurbs"}) {
       const Outcome outcome = compensate(name, "offset", {"--dialect", dialect});
