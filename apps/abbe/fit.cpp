@@ -91,7 +91,9 @@ void report_doubts(const FitJob& job, const FitResult& result, Session& session)
         about_job(job, Severity::warning, "W-FIT-MISFIT",
                   fmt::format("{}: what is left is {:.1f} times the noise (rms {:.3g} {})", set.name,
                               set.ratio, set.rms / (set.angle ? urad : um), set.angle ? "urad" : "um"),
-                  "the form of a function, the measuring point, or an error that was not measured",
+                  "the form of a function, the measuring point, an error that was not measured, or a sign "
+                  "that contradicts other "
+                  "files",
                   "look at the residuals; another form, pitch, or the missing runs"));
   }
   if (result.rows > 0 && result.rows <= result.rank)
