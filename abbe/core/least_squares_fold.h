@@ -57,7 +57,10 @@ using Shares = std::array<double, kPanel>;
 [[gnu::always_inline]] inline void take_off(const FourLanes& b, const Shares& s, double* column) {
   Lanes y;
   load(y, column);
-  y -= s[0] * b.x0 + s[1] * b.x1 + s[2] * b.x2 + s[3] * b.x3;
+  y -= s[0] * b.x0;
+  y -= s[1] * b.x1;
+  y -= s[2] * b.x2;
+  y -= s[3] * b.x3;
   std::memcpy(column, &y, sizeof y);
 }
 
