@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -32,6 +33,16 @@ std::string lower(std::string_view text) {
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
   return out;
 }
+
+bool is_known_key(std::string_view key) {
+  static constexpr std::array<std::string_view, 9> kKeys = {"plane",    "radius_mm",  "feed_mm_per_min",
+                                                            "noise_um", "centre_mm",  "setup",
+                                                            "machine",  "instrument", "date"};
+  return std::find(kKeys.begin(), kKeys.end(), key) != kKeys.end();
+}
+
+bool differ(double a, double b) { return std::abs(a - b) > 1e-9 * std::abs(a); }
+bool differ(const TestPlane& a, const TestPlane& b) { return !(a == b); }
 
 /// What a column holds; `none` is ignored.
 enum class Column {
@@ -135,6 +146,9 @@ class Reader {
     if (colon == std::string_view::npos) return;  // a remark
     const std::string key = lower(trimmed(line.substr(0, colon)));
     const std::string_view value = trimmed(line.substr(colon + 1));
+    if (is_known_key(key) && std::exchange(key_lines_[key], number_) != 0)
+      return error("E-BALLBAR", fmt::format("a second line '{}'", key), "one of the two is of another test",
+                   "remove the wrong one");
     if (key == "plane") {
       test_plane_ = read_plane(value);
       if (!test_plane_) wrong_key(key, value, "two of the letters X Y Z, such as XY");
@@ -304,6 +318,10 @@ class Reader {
     line_ = {};
     if (give_up_ || findings_.size() > kMostFindings) return;
     const auto required = [&](auto& from_file, const auto& from_user, const char* what, const char* fix) {
+      if (from_file && from_user && differ(*from_file, *from_user))
+        add(Severity::warning, "W-BALLBAR",
+            fmt::format("the file says another {} than the command line, which is not used", what),
+            "the options are for what files do not say", "leave the option out, or correct the file");
       if (!from_file) from_file = from_user;
       if (!from_file) error("E-BALLBAR", fmt::format("the file does not say the {}", what), "", fix);
       return from_file.has_value();
@@ -366,6 +384,7 @@ class Reader {
   std::size_t number_ = 0;
   bool give_up_ = false;
 
+  std::map<std::string, std::size_t> key_lines_;
   std::optional<TestPlane> test_plane_;
   std::optional<double> radius_, feed_;
   char separator_ = 0;

@@ -9,7 +9,8 @@
 
 namespace abbe {
 
-/// What a bare CSV file does not say, from the command line. The file wins where both say it.
+/// What a bare CSV file does not say, from the command line. The file wins where both say it
+/// (W-BALLBAR where they differ).
 struct BallbarDefaults {
   std::optional<TestPlane> plane;
   std::optional<double> radius;  ///< mm

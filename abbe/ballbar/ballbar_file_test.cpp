@@ -138,7 +138,8 @@ TEST(BallbarFile, MistakesAreNamed) {
   EXPECT_THAT(found(constant), HasSubstr("W-BALLBAR"));
 }
 
-TEST(BallbarFile, SwappedAxesAreSeenInThePositions) {
+/// Radius 100 mm, every 5 degrees.
+BallbarTest of_sixty_samples() {
   BallbarTest test;
   test.radius = 100;
   test.feed = 20;
@@ -146,13 +147,53 @@ TEST(BallbarFile, SwappedAxesAreSeenInThePositions) {
   for (int i = 0; i < 60; ++i) {
     run.angle.push_back(i * 5 * deg);
     run.deviation.push_back(i * 1e-5);
-    run.actual.push_back(100 * radial_direction({1, 0}, i * 5 * deg));
   }
   test.runs = {run};
+  return test;
+}
+
+TEST(BallbarFile, SwappedAxesAreSeenInThePositions) {
+  BallbarTest test = of_sixty_samples();
+  BallbarRun& run = test.runs[0];
+  for (const double angle : run.angle) run.actual.push_back(100 * radial_direction({1, 0}, angle));
   const auto read = read_ballbar("a.csv", write_ballbar(test));
   EXPECT_FALSE(read.value);
   EXPECT_THAT(codes(read), HasSubstr("E-AXES"));
   EXPECT_THAT(read.diagnostics[0].fix, HasSubstr("the plane is YX"));
+}
+
+// 3 per cent more counts per mm: inside the tolerance of positions, but no command of this circle.
+TEST(BallbarFile, CommandsOfAnotherRadiusAreRefused) {
+  const auto found = [](double scale) {
+    BallbarTest test = of_sixty_samples();
+    BallbarRun& run = test.runs[0];
+    for (const double angle : run.angle)
+      run.commanded.push_back(scale * 100 * radial_direction({0, 1}, angle));
+    return codes(read_ballbar("a.csv", write_ballbar(test)));
+  };
+  EXPECT_EQ(found(1.005), "");
+  EXPECT_THAT(found(1.03),
+              HasSubstr("E-RADIUS run 1: the positions x_cmd_mm y_cmd_mm z_cmd_mm are up to 3.000 mm"));
+  EXPECT_THAT(found(0.97), HasSubstr("E-RADIUS"));
+}
+
+TEST(BallbarFile, ContradictionsAreTold) {
+  const std::string rows = kHeader + table(0, 10, 37);
+  EXPECT_THAT(codes(read_ballbar("a.csv", kKeys + "# Radius_mm: 150\n" + rows)),
+              HasSubstr("E-BALLBAR a second line 'radius_mm'"));
+  EXPECT_EQ(codes(read_ballbar("a.csv", kKeys + "# note: a\n# note: b\n" + rows)), "");
+  const auto warned = [&](const BallbarDefaults& defaults) {
+    const auto read = read_ballbar("a.csv", kKeys + rows, defaults);
+    EXPECT_TRUE(read.value);
+    if (read.value) {
+      EXPECT_EQ(read.value->radius, 100) << "the file wins";
+    }
+    return codes(read);
+  };
+  EXPECT_EQ(warned({TestPlane{0, 1}, 100.0, 1200 / 60.0, std::nullopt}), "");
+  EXPECT_THAT(warned({{}, 150.0, {}, {}}), HasSubstr("W-BALLBAR the file says another nominal radius"));
+  EXPECT_THAT(warned({{}, {}, 10.0, {}}), HasSubstr("another feed"));
+  EXPECT_THAT(warned({TestPlane{1, 0}, {}, {}, {}}), HasSubstr("another plane"));
 }
 
 TEST(BallbarFile, TimeContradictsTheDirection) {

@@ -28,6 +28,7 @@ double mean_step(const BallbarTest& test) {
 
 /// (S_0 - S_1) / k over S_1 / (n - m), divided by tau: what k more columns gain.
 double gain(const DiagnosisFit& without, const DiagnosisFit& with, int more) {
+  if (with.solution.freedom() < kFewestSpare) return 0;
   const double left = with.variance() * std::max(1.0, with.summary.tau);
   const double gained = (without.solution.sum_of_squares - with.solution.sum_of_squares) / more;
   return left > 0 ? gained / left : gained > 0 ? kStandsOut * 2 : 0.0;
@@ -164,6 +165,7 @@ Diagnosis diagnose(const BallbarTest& test, const DiagnosisOptions& options) {
   out.spike_time = model.spike_time();
   out.terms = model.terms(fit);
   out.residuals = fit.summary;
+  out.spare = static_cast<int>(fit.solution.freedom());
   out.residual = std::move(fit.residual);
   out.harmonic_only_servo = model.harmonic_only_servo();
   return out;

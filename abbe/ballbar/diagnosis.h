@@ -53,6 +53,9 @@ struct DiagnosisOptions {
   bool find_spikes = true;
 };
 
+/// With fewer samples beyond the unknowns one of many shapes always fits: none is looked for.
+inline constexpr int kFewestSpare = 20;
+
 struct Diagnosis {
   bool solved = false;                         ///< false: numbers that are too large
   std::vector<DiagnosisTerm> terms;            ///< in the order above
@@ -60,7 +63,8 @@ struct Diagnosis {
   std::array<bool, 2> pitch_found{};           ///< found in the trace, not given
   std::optional<double> spike_time;            ///< T, s; nothing: no spikes that stand out of the noise
   ResidualSummary residuals;                   ///< of what no cause explains
-  std::vector<std::vector<double>> residual;   ///< per run, mm; 0 at the reversals themselves
+  int spare = 0;  ///< samples beyond the causes; with few the residuals say nothing
+  std::vector<std::vector<double>> residual;  ///< per run, mm; 0 at the reversals themselves
   double harmonic_only_servo = 0;  ///< s: what the second harmonic alone would say (backlash leaks in)
 
   [[nodiscard]] const DiagnosisTerm* find(DiagnosisTerm::Kind kind, std::string_view axis = {}) const;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <span>
 
 #include "abbe/signal/align.h"
@@ -97,9 +98,51 @@ bool join_run(const BallbarTest& test, const BusRecord& record, const CommandedC
   return true;
 }
 
+bool increases(const std::vector<double>& time) {
+  return std::adjacent_find(time.begin(), time.end(), std::greater_equal<>()) == time.end();
+}
+
+/// Where the samples begin that have another command than the one before.
+std::vector<std::size_t> new_commands(const BusRecord& record) {
+  std::vector<std::size_t> begins = {0};
+  for (std::size_t i = 1; i < record.time.size(); ++i)
+    if (record.commanded[0][i] != record.commanded[0][i - 1] ||
+        record.commanded[1][i] != record.commanded[1][i - 1])
+      begins.push_back(i);
+  return begins;
+}
+
+/// A control may command less often than the bus reports. Of equal commands in a row the first is kept; the
+/// last as well if they are so many that the control stood still.
+BusRecord one_for_each_command(const BusRecord& record) {
+  const std::vector<std::size_t> begins = new_commands(record);
+  const auto end_of = [&](std::size_t g) {
+    return g + 1 < begins.size() ? begins[g + 1] : record.time.size();
+  };
+  std::vector<std::size_t> lengths;
+  for (std::size_t g = 0; g < begins.size(); ++g) lengths.push_back(end_of(g) - begins[g]);
+  std::nth_element(lengths.begin(), lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2),
+                   lengths.end());
+  const std::size_t usual = lengths[lengths.size() / 2];
+  if (usual == 1) return record;
+  BusRecord kept;
+  const auto keep = [&](std::size_t i) {
+    kept.time.push_back(record.time[i]);
+    for (int k = 0; k < 2; ++k) {
+      kept.commanded[k].push_back(record.commanded[k][i]);
+      kept.actual[k].push_back(record.actual[k][i]);
+    }
+  };
+  for (std::size_t g = 0; g < begins.size(); ++g) {
+    keep(begins[g]);
+    if (end_of(g) - begins[g] > 2 * usual) keep(end_of(g) - 1);
+  }
+  return kept;
+}
+
 bool is_usable(const BusRecord& record) {
   const std::size_t n = record.time.size();
-  bool usable = n > 1 && all_finite(record.time);
+  bool usable = n > 1 && all_finite(record.time) && increases(record.time);
   for (int k = 0; k < 2; ++k)
     usable = usable && record.commanded[k].size() == n && record.actual[k].size() == n &&
              all_finite(record.commanded[k]) && all_finite(record.actual[k]);
@@ -108,11 +151,13 @@ bool is_usable(const BusRecord& record) {
 
 }  // namespace
 
-std::variant<BallbarTest, JoinTrouble> join_bus(const BallbarTest& test, const BusRecord& record) {
-  if (!is_usable(record))
+std::variant<BallbarTest, JoinTrouble> join_bus(const BallbarTest& test, const BusRecord& whole) {
+  if (!is_usable(whole))
     return JoinTrouble{
-        "the record has less than two samples, columns of different lengths or values that are no numbers",
+        "the record has less than two samples, columns of different lengths, values that are no numbers or "
+        "times that do not increase",
         "nothing can be looked up in it", "write it with `abbe capture --columns`"};
+  const BusRecord record = one_for_each_command(whole);
   const CommandedCircle circle = commanded_circle(test, record);
   BallbarTest joined = test;
   std::size_t next = 0;

@@ -26,15 +26,15 @@ struct JoinTrouble {
 /// The runs are looked for in their order, each in a stretch of the record that goes round the centre on the
 /// circle in its direction, without a halt, and covers its angles. What the two clocks of instrument and
 /// control disagree on within a run is left to the identification (IdentifyOptions::time_offset).
+/// A bus that reports more often than the control commands repeats commands: the first of each counts.
 ///
 /// units    mm, s; angles in the plane's sense
-/// errors   a record that is too short or not finite, that never goes round this circle (another centre,
-/// radius,
-///          plane or sense), or that lacks a run
-/// laws     JoinedPositionsAreThoseOfTheAngle, RunsKeepTheirDirection
+/// errors   a record that is too short or not finite, whose time does not increase, that never goes round
+///          this circle (another centre, radius, plane or sense), or that lacks a run
+/// laws     JoinedPositionsAreThoseOfTheAngle, RunsKeepTheirDirection, RepeatedCommandsCountOnce
 /// cost     a few passes over the record
 /// source   docs/theory/ball-bar.md
 [[nodiscard]] std::variant<BallbarTest, JoinTrouble> join_bus(const BallbarTest& test,
-                                                              const BusRecord& record);
+                                                              const BusRecord& whole);
 
 }  // namespace abbe

@@ -93,6 +93,36 @@ TEST(JoinBus, RunsKeepTheirDirection) {
   EXPECT_THAT(std::get<JoinTrouble>(refused).message, HasSubstr("counter-clockwise along run 2"));
 }
 
+/// The same drives on a bus with `times` samples for each command; in between, actual positions move on.
+BusRecord on_a_faster_bus(const BusRecord& slow, int times) {
+  BusRecord fast;
+  for (std::size_t i = 0; i + 1 < slow.time.size(); ++i)
+    for (int j = 0; j < times; ++j) {
+      const double part = static_cast<double>(j) / times;
+      fast.time.push_back(slow.time[i] + part * (slow.time[i + 1] - slow.time[i]));
+      for (int k = 0; k < 2; ++k) {
+        fast.commanded[k].push_back(slow.commanded[k][i]);
+        fast.actual[k].push_back(slow.actual[k][i] + part * (slow.actual[k][i + 1] - slow.actual[k][i]));
+      }
+    }
+  return fast;
+}
+
+// The halts between the runs are no runs, however often the bus repeats them.
+TEST(JoinBus, RepeatedCommandsCountOnce) {
+  const BallbarTest test = trace({+1, -1});
+  const BusRecord record = both_ways().record;
+  const auto expected = std::get<BallbarTest>(join_bus(test, record));
+  const auto answer = join_bus(test, on_a_faster_bus(record, 4));
+  ASSERT_TRUE(std::holds_alternative<BallbarTest>(answer)) << std::get<JoinTrouble>(answer).message;
+  const auto& joined = std::get<BallbarTest>(answer);
+  for (std::size_t r = 0; r < joined.runs.size(); ++r)
+    for (std::size_t i = 0; i < joined.runs[r].angle.size(); ++i) {
+      EXPECT_LT((joined.runs[r].commanded[i] - expected.runs[r].commanded[i]).norm(), 1e-9);
+      EXPECT_LT((joined.runs[r].actual[i] - expected.runs[r].actual[i]).norm(), 1e-9);
+    }
+}
+
 TEST(JoinBus, WhatIsNoRecordOfThisTestIsRefused) {
   const BallbarTest test = trace({+1});
   const auto why = [&](const BallbarTest& t, const BusRecord& record) {
@@ -117,6 +147,9 @@ TEST(JoinBus, WhatIsNoRecordOfThisTestIsRefused) {
   broken.commanded[0][77] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THAT(why(test, broken), HasSubstr("nothing can be looked up"));
   EXPECT_THAT(why(test, {}), HasSubstr("nothing can be looked up"));
+  broken = good;
+  broken.time[78] = broken.time[77];
+  EXPECT_THAT(why(test, broken), HasSubstr("nothing can be looked up"));
   // A record that ends half way round.
   BusRecord half = good;
   for (auto* column : {&half.time, &half.commanded[0], &half.commanded[1], &half.actual[0], &half.actual[1]})

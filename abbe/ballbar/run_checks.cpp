@@ -18,6 +18,7 @@ constexpr double kShortestArc = 30 * deg;
 constexpr double kMostTravel = 50 * kTurn;    // a run is a few turns at most
 constexpr double kLargestDeviation = 2 * mm;  // beyond the travel of any ball bar
 constexpr double kOffCircle = 0.05;           // of the radius: positions that belong to another circle
+constexpr double kOffCommanded = 0.01;        // of the radius: commands lie on the circle itself
 
 class Checks {
  public:
@@ -32,7 +33,7 @@ class Checks {
     if (!unwrap() || !times_increase() || !direction(declared)) return std::move(findings_);
     lengths();
     if (!run_.actual.empty()) positions(run_.actual, "x_mm y_mm z_mm");
-    if (!run_.commanded.empty()) positions(run_.commanded, "x_cmd_mm y_cmd_mm z_cmd_mm");
+    if (!run_.commanded.empty() && positions(run_.commanded, "x_cmd_mm y_cmd_mm z_cmd_mm")) commands();
     return std::move(findings_);
   }
 
@@ -97,7 +98,8 @@ class Checks {
           "a ball bar measures a millimetre or two", "correct the radius or the unit of the column");
   }
 
-  void positions(const std::vector<Vec3>& positions, const char* columns) {
+  /// True if they may be on the circle.
+  bool positions(const std::vector<Vec3>& positions, const char* columns) {
     double off = 0, off_swapped = 0;
     const TestPlane swapped{test_.plane.second, test_.plane.first};
     for (std::size_t i = 0; i < positions.size(); ++i) {
@@ -106,7 +108,7 @@ class Checks {
       off_swapped = std::max(off_swapped,
                              (from_centre - test_.radius * radial_direction(swapped, run_.angle[i])).norm());
     }
-    if (off <= kOffCircle * test_.radius) return;
+    if (off <= kOffCircle * test_.radius) return true;
     const bool exchanged = off_swapped <= kOffCircle * test_.radius;
     error("E-AXES",
           fmt::format("the positions {} are up to {:.3f} mm away from the circle of {}", columns, off,
@@ -114,6 +116,19 @@ class Checks {
           exchanged ? "with the two axes exchanged they would be on it" : "",
           exchanged ? fmt::format("the plane is {}, or the columns are swapped", to_string(swapped))
                     : "check centre_mm, radius_mm, the plane and angle_deg");
+    return false;
+  }
+
+  void commands() {
+    double off = 0;
+    for (const Vec3& q : run_.commanded)
+      off = std::max(off, std::abs((q - test_.centre).norm() - test_.radius));
+    if (off <= kOffCommanded * test_.radius) return;
+    error("E-RADIUS",
+          fmt::format("the positions x_cmd_mm y_cmd_mm z_cmd_mm are up to {:.3f} mm off the radius {:.3f} mm",
+                      off, test_.radius),
+          "what the servo sees is counted from them",
+          "check radius_mm, centre_mm and the counts per mm of the drives");
   }
 
   void error(std::string code, std::string message, std::string why, std::string fix) {

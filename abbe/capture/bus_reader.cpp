@@ -78,7 +78,14 @@ bool BusReader::next(BusFrame& frame) {
   parse_frame(frame.packet.bytes, frame.packet.bytes.size() >= frame.packet.original, frame.ethernet);
   if (frame.ethernet.kind != EcatFrame::Kind::datagrams) return true;
   const bool counted = read_datagrams(frame);
-  if (!frame.datagrams.empty()) find_partner(frame, counted);
+  if (const auto& esl = frame.ethernet.esl; esl && (esl->alignment_error || esl->crc_error)) {
+    frame.ethernet.kind = EcatFrame::Kind::bad;
+    frame.ethernet.fault = "the switch link marks it as damaged (CRC or alignment)";
+  }
+  if (frame.datagrams.empty()) return true;
+  find_partner(frame, counted);
+  // What a damaged frame said on its way out is not known when its partner returns.
+  if (frame.ethernet.kind == EcatFrame::Kind::bad) sent_[frame.datagrams.front().index].number = 0;
   return true;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 
 #include "abbe/capture/field.h"
 
@@ -60,26 +61,46 @@ bool is(const Datagram& d, const Kind& kind) {
   return d.address == kind.address && d.data.size() == kind.length && d.command == kind.command;
 }
 
-/// The reference clock has 32 bits in some frames: it is unwrapped.
+/// The reference clock has 32 bits in some frames: it is unwrapped, over pauses of more than half a turn
+/// (2.1 s) with the recorder's time.
 class Clock {
  public:
   explicit Clock(TimeBase base) : base_(base) {}
-  [[nodiscard]] std::optional<std::int64_t> of(const BusFrame& frame) {
-    if (base_ == TimeBase::recorder) return frame.packet.time_ns;
+  /// False: the frame has no time of this base. (An optional would cost a stalled load for every row.)
+  [[nodiscard]] bool read(const BusFrame& frame, std::int64_t& ns) {
+    if (base_ == TimeBase::recorder) {
+      ns = frame.packet.time_ns;
+      return true;
+    }
+    const std::optional<std::int64_t> time = of_device(frame);
+    ns = time.value_or(0);
+    return time.has_value();
+  }
+
+ private:
+  [[nodiscard]] std::optional<std::int64_t> of_device(const BusFrame& frame) {
     if (base_ == TimeBase::esl) return frame.ethernet.esl ? time_of(*frame.ethernet.esl) : std::nullopt;
     const auto reading = clock_of(frame);
     if (!reading) return std::nullopt;
     if (reading->whole) return static_cast<std::int64_t>(reading->ns);
     const auto low = static_cast<std::uint32_t>(reading->ns);
-    total_ += last_ ? static_cast<std::int32_t>(low - *last_) : static_cast<std::int64_t>(low);
+    total_ += last_ ? step(low, frame.packet.time_ns) : static_cast<std::int64_t>(low);
     last_ = low;
+    last_recorded_ = frame.packet.time_ns;
     return total_;
   }
 
- private:
+  /// The step modulo one turn that is nearest to what the recorder's clock says.
+  [[nodiscard]] std::int64_t step(std::uint32_t low, std::int64_t recorded) const {
+    constexpr double kTurn = 4294967296.0;
+    const std::int64_t shortest = static_cast<std::int32_t>(low - *last_);
+    const auto rest = static_cast<double>(recorded - last_recorded_ - shortest);
+    return shortest + std::llround(rest / kTurn) * (std::int64_t{1} << 32);
+  }
+
   TimeBase base_;
   std::optional<std::uint32_t> last_;
-  std::int64_t total_ = 0;
+  std::int64_t total_ = 0, last_recorded_ = 0;
 };
 
 class Decoder {
@@ -187,14 +208,15 @@ class Decoder {
   bool end_row(const BusFrame& frame) {
     const bool is_short = short_, unknown = unknown_output_;
     forget();
-    const auto time = clock_.of(frame);
+    std::int64_t time = 0;
+    const bool timed = clock_.read(frame, time);
     if (is_short) ++report_.short_rows;
     if (unknown) ++report_.incomplete_rows;
-    if (!time) ++report_.untimed_rows;
-    if ((is_short && !options_.keep_short) || unknown || !time) return true;
+    if (!timed) ++report_.untimed_rows;
+    if ((is_short && !options_.keep_short) || unknown || !timed) return true;
     const std::uint64_t row = report_.rows++;
-    if (row == 0) report_.first_ns = *time;
-    const double seconds = static_cast<double>(*time - report_.first_ns) * 1e-9;
+    if (row == 0) report_.first_ns = time;
+    const double seconds = static_cast<double>(time - report_.first_ns) * 1e-9;
     if (row > 0) watch(row, seconds);
     last_ = seconds;
     time_[fill_] = seconds;

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "abbe/capture/frame.h"
+#include "abbe/capture/frame_writer.h"
 #include "abbe/capture/read_map.h"
 #include "abbe/capture/test_captures.h"
 
@@ -272,6 +273,76 @@ TEST(Decode, RowsNeverMixCycles) {
   EXPECT_EQ(rows_without(0), 99U);   // the recording begins inside a cycle
   EXPECT_EQ(rows_without(80), 99U);  // the first frame of a cycle is lost
   EXPECT_EQ(rows_without(81), 99U);  // the second
+}
+
+// The link saw a broken frame: a cycle without it, whichever way it went, and nothing old in place of
+// outputs.
+TEST(Decode, FramesThatTheLinkMarksAsDamagedAreNotUsed) {
+  const Signals signals(300);  // the index comes round after 128 cycles
+  const ScratchFile file("damaged.pcap");
+  ASSERT_FALSE(put_capture(file.path(), servo_map(two_axes()), signals.columns()));
+  auto packets = packets_of(file.bytes());
+  const std::size_t first = packets.size() - 600;
+  const auto mark = [&](std::size_t packet, std::uint8_t bit) {
+    packets[packet][packets[packet].size() - 9] |= bit;
+  };
+  mark(first + 2 * 200, 0x10);      // on its way out, checksum
+  mark(first + 2 * 250 + 1, 0x08);  // on its way back, alignment
+  put_packets(file, packets);
+  const CaptureSurvey survey = survey_of(file.path());
+  EXPECT_EQ(survey.bad, 2U);
+  EXPECT_EQ(survey.esl_errors, 2U);
+  ASSERT_FALSE(survey.faults.empty());
+  EXPECT_THAT(std::string(survey.faults[0].fault), testing::HasSubstr("damaged"));
+  const Decoded decoded = decode(file.path(), learned(survey));
+  EXPECT_EQ(decoded.report.bad_frames, 2U);
+  ASSERT_EQ(decoded.report.rows, 299U);
+  Signals left = signals;
+  left.x.erase(left.x.begin() + 250);
+  left.target.erase(left.target.begin() + 250);
+  expect_counts(decoded.columns.at("X.position_actual"), left.x, 10000);
+  // The outputs of cycle 200 are those that its returning frame still carries, not those of 128 cycles
+  // before.
+  expect_counts(decoded.columns.at("X.target_position"), left.target, 10000);
+}
+
+// A clock of 32 bits turns over every 4.3 s; the bus stood still for longer.
+TEST(Decode, ShortClockIsUnwrappedOverPauses) {
+  const ScratchFile file("clock.pcap");
+  const std::vector<std::int64_t> seconds = {10, 11, 12, 20, 21, 31};
+  CaptureSettings settings;
+  settings.esl = EslPlace::none;
+  {
+    auto created = SpoolFile::create(file.path());
+    auto& out = std::get<SpoolFile>(created);
+    FrameWriter writer(settings, 0, out);
+    for (const std::int64_t s : seconds) {
+      const std::int64_t ns = s * 1'000'000'000 + 77;
+      SentDatagram clock{
+          EcatCommand::frmw, device_address(1001, 0x0910), std::vector<std::uint8_t>(4), {}, 1};
+      for (int byte = 0; byte < 4; ++byte) clock.back.push_back(static_cast<std::uint8_t>(ns >> 8 * byte));
+      const std::vector<std::uint8_t> value = {static_cast<std::uint8_t>(s), 0, 0, 0};
+      const SentDatagram data{EcatCommand::lrd, 0x10000, std::vector<std::uint8_t>(4), value, 1};
+      writer.exchange(ns + 1'600'000'000'000'000'000, std::vector<SentDatagram>{clock, data});
+    }
+    ASSERT_TRUE(out.publish());
+  }
+  ProcessMap map;
+  map.objects.push_back({});
+  PdoObject& o = map.objects.back();
+  o.name = "s";
+  o.direction = PdoDirection::input;
+  o.type = PdoType::unsigned_integer;
+  o.bits = 32;
+  o.bit = 8 * 0x10000;
+  DecodeOptions options;
+  options.base = TimeBase::clock;
+  const Decoded decoded = decode(file.path(), map, options);
+  ASSERT_EQ(decoded.report.rows, seconds.size());
+  for (std::size_t i = 0; i < seconds.size(); ++i) {
+    EXPECT_EQ(decoded.columns.at("s")[i], static_cast<double>(seconds[i]));
+    EXPECT_NEAR(decoded.time[i], static_cast<double>(seconds[i] - seconds[0]), kNanosecond);
+  }
 }
 
 TEST(Decode, VlanTagsAndPaddingChangeNothing) {

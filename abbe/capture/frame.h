@@ -69,7 +69,7 @@ struct EcatFrame {
     other,           ///< no EtherCAT
     datagrams,       ///< EtherCAT frame type 1
     other_ethercat,  ///< EtherCAT of another type (network variables, mailbox gateway)
-    bad,             ///< EtherCAT, but the lengths do not fit
+    bad,             ///< EtherCAT, but the lengths do not fit, or (BusReader) the link says it is damaged
   } kind = Kind::other;
   std::optional<EslInfo> esl;
   int vlan_tags = 0;
@@ -77,7 +77,7 @@ struct EcatFrame {
   bool udp = false;                    ///< EtherCAT in UDP
   std::uint64_t source = 0;            ///< MAC address of the sender, first byte highest
   std::span<const std::uint8_t> body;  ///< the datagrams
-  std::string_view fault;              ///< kind bad: what does not fit
+  std::string_view fault;              ///< kind bad: why
 };
 
 /// Splits a packet: ESL header or trailer, Ethernet, VLAN tags, UDP, EtherCAT header. Any bytes are allowed.

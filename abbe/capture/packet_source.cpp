@@ -17,7 +17,7 @@
 namespace abbe {
 namespace {
 
-constexpr std::size_t kPiece = std::size_t{1} << 16;  ///< stays in the caches
+constexpr std::size_t kPiece = std::size_t{1} << 17;  ///< stays in the caches
 constexpr std::size_t kFileHeader = 24, kPacketHeader = 16;
 constexpr std::uint32_t kMicroseconds = 0xa1b2c3d4, kNanoseconds = 0xa1b23c4d;
 constexpr std::uint32_t kEthernet = 1;

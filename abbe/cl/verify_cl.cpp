@@ -44,7 +44,8 @@ VerifyReport verify_cl(const Plan& plan, const ClVerifyJob& job, const Progress&
                                             "more than three linear or two rotary axes could be moved"));
     return report;
   }
-  auto original_file = LineReader::open(job.original_path), output_file = LineReader::open(job.output_path);
+  auto original_file = LineReader::open(job.original_path),
+       output_file = LineReader::open(job.output_path, true, job.output_growth);
   for (const auto* opened : {&original_file, &output_file}) {
     if (const auto* error = std::get_if<FileError>(opened))
       report.diagnostics.push_back(about_file(job.original_name, "E-FILE", error->message));

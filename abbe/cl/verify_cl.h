@@ -6,6 +6,7 @@
 
 #include "abbe/chain/plan.h"
 #include "abbe/cl/interpreter.h"
+#include "abbe/core/file_growth.h"
 #include "abbe/core/progress.h"
 #include "abbe/core/units.h"
 #include "abbe/core/verify_report.h"
@@ -20,9 +21,10 @@ struct ClVerifyJob {
   cl::Conventions conventions;
   std::array<double, kMaxAxes> start{};
   bool probed_datum = true;
-  double tolerance = 1 * um;         ///< mm: interpolation and solution
-  double max_correction = 500 * um;  ///< mm, of the tip
-  std::size_t samples = 0;           ///< points to keep for figures; 0 = none
+  double tolerance = 1 * um;            ///< mm: interpolation and solution
+  double max_correction = 500 * um;     ///< mm, of the tip
+  std::size_t samples = 0;              ///< points to keep for figures; 0 = none
+  FileGrowth* output_growth = nullptr;  ///< of an output that is still being written
 };
 
 /// Reads both CL files with a reader that shares only number parsing with the rewriter's, turns the output

@@ -11,12 +11,22 @@ constexpr std::size_t kShortPiece = 3;
 
 }  // namespace
 
+double append_number(std::string& to, double number, int decimals, NumberStyle style) {
+  const std::size_t begin = to.size();
+  const double read = append_fixed(to, number, decimals);
+  if (style.comma) {
+    if (const std::size_t point = to.find('.', begin); point != std::string::npos) to[point] = ',';
+  }
+  if (style.sign && to[begin] != '-') to.insert(begin, 1, '+');
+  return read;
+}
+
 void LineEdit::reset(const Block& block) {
   block_ = &block;
   replaced_ = removed_ = spelled_later_ = 0;
   added_.clear();
   // "G1X1Y2" gets "Z3", "G1 X1 Y2" and "X1" get " Z3".
-  spaced_ = block.count < 2 || block.words[1].begin != block.words[0].end;
+  spaced_ = block.style.sign || block.count < 2 || block.words[1].begin != block.words[0].end;
 }
 
 std::size_t LineEdit::index_of(const Word& word) const {
@@ -33,7 +43,9 @@ std::string& LineEdit::replace(const Word& word) {
 
 double LineEdit::replace(const Word& word, double number, int decimals) {
   const std::size_t i = index_of(word);
-  if (!to_fixed(number, decimals, fixed_[i])) return append_fixed(replace(word), number, decimals);
+  const NumberStyle style = block_->style;
+  if (style.sign || !to_fixed(number, decimals, fixed_[i]))
+    return append_number(replace(word), number, decimals, style);
   replaced_ |= std::uint64_t{1} << i;
   spelled_later_ |= std::uint64_t{1} << i;
   return fixed_[i].value;
@@ -75,9 +87,17 @@ void LineEdit::append_to(std::string& out) const {
     to += bytes.size();
   };
   std::size_t at = 0;
+  bool to_add = true;
+  const auto add_words = [&] {
+    to_add = false;
+    write(text.substr(at, block_->words_end - at));
+    write(added_);
+    at = block_->words_end;
+  };
   for (std::uint64_t left = replaced_ | removed_; left != 0; left &= left - 1) {
     const auto i = static_cast<std::size_t>(std::countr_zero(left));
     const Word& word = block_->words[i];
+    if (to_add && word.begin >= block_->words_end) add_words();
     if ((removed_ >> i & 1) != 0) {
       std::size_t end = word.begin;
       while (end > at && (text[end - 1] == ' ' || text[end - 1] == '\t')) --end;
@@ -92,9 +112,8 @@ void LineEdit::append_to(std::string& out) const {
     }
     at = word.end;
   }
-  write(text.substr(at, block_->words_end - at));
-  write(added_);
-  write(text.substr(block_->words_end));
+  if (to_add) add_words();
+  write(text.substr(at));
   out.resize(static_cast<std::size_t>(to - out.data()));
 }
 

@@ -10,6 +10,9 @@
 
 namespace abbe {
 
+/// append_fixed as the program spells its numbers.
+double append_number(std::string& to, double number, int decimals, NumberStyle style);
+
 /// Changes to one line of a program: digits of words replaced, words added or removed; every other byte
 /// stays. Begin with reset(); text() builds the line.
 class LineEdit {
@@ -20,7 +23,7 @@ class LineEdit {
   /// The word gets this number; returns it as it will be read (append_fixed).
   double replace(const Word& word, double number, int decimals);
   void remove(const Word& word);
-  /// Adds a word after the last one: what its number is appended to.
+  /// Adds a word where the block ends its words (Block::words_end): what its number is appended to.
   [[nodiscard]] std::string& add(char letter);
   /// Adds already spelled words after the last one ("M30").
   void add(std::string_view words);

@@ -120,7 +120,9 @@ void Rewriter::write_header(std::string& out) {
   header_written_ = true;
   const std::string_view eol = file_eol_.empty() ? std::string_view("\n") : std::string_view(file_eol_);
   for (const auto& line : job_.header) {
-    out += line;
+    const bool brackets = !profile_.text.conversational;
+    if (!brackets) out += ';';
+    out += brackets || line.size() < 2 ? line : line.substr(1, line.size() - 2);
     out += eol;
     ++report_.lines_out;
   }
@@ -128,6 +130,7 @@ void Rewriter::write_header(std::string& out) {
 
 // A program number may begin with ':' instead of O: it is read as one, and copied as it stands.
 std::optional<BlockError> Rewriter::read_line(std::string_view bytes, Block& block) {
+  if (profile_.text.conversational) return read_klartext_block(bytes, profile_, klartext_, block);
   if (profile_.text.names) return read_named_block(bytes, profile_, block);
   const bool numbered_skip = profile_.text.skip == Profile::Skip::numbered;
   if (!profile_.text.colon || any_block_) return read_block(bytes, block, numbered_skip);
@@ -164,7 +167,9 @@ void Rewriter::lines(std::span<const std::string_view> texts, std::uint64_t numb
   for (std::size_t i = 0; i < texts.size(); ++i) {
     number_ = number + i;
     block_ = &blocks_[i];
+    const std::size_t begin = out.size();
     line(errors[i], too_long, out);
+    if (profile_.text.conversational) count_blocks(begin, out);
   }
 }
 
@@ -180,7 +185,8 @@ void Rewriter::look_ahead(std::size_t rows) {
       const Word& word = blocks_[i].words[static_cast<std::size_t>(w)];
       const int k = word.letter - 'X';
       if (k < 0 || k > 2) continue;
-      p[k] = word.value * modal_.unit() + (modal_.incremental ? p[k] : 0.0);
+      const bool distance = modal_.incremental || (blocks_[i].increments & 1u << k) != 0;
+      p[k] = word.value * modal_.unit() + (distance ? p[k] : 0.0);
       named |= 1u << k;
     }
     if (named == 0) continue;
@@ -192,9 +198,19 @@ void Rewriter::look_ahead(std::size_t rows) {
   field_.look_ahead(std::span(places).first(count), approach_);
 }
 
+// Blocks that we have added are counted, and all behind them.
+void Rewriter::count_blocks(std::size_t begin, std::string& out) {
+  if (block_->continues) return;
+  if (block_numbers_.renumber(block_->text, begin, out)) return;
+  findings_.add(Severity::error, "E-BLOCK", number_, block_->text, 0, 1,
+                "the number of the block is not above that of the block before",
+                "blocks that are added must be counted", "let the control number the program anew");
+}
+
 void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::string& out) {
   eol_ = block_->eol;
   if (file_eol_.empty()) file_eol_ = std::string(eol_);
+  if (held_pole_ && block_->pole != Block::Pole::used) release_pole(out);
   if (ended_ && !too_long) return pass_behind_end(out);  // the control does not read on
   if (too_long || error) {
     findings_.add(
@@ -225,13 +241,15 @@ void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::
   }
   const bool program_number = profile_.text.program_number && !any_block_ && block_->count == 1 &&
                               block_->words[0].letter == 'O' && !block_->slash;
-  if (!header_written_ && block_->count > 0 && !program_number) write_header(out);
+  const bool begins = profile_.text.conversational && !any_block_;  // BEGIN PGM: the header follows it
+  if (!header_written_ && block_->count > 0 && !program_number && !begins) write_header(out);
   if (block_->count > 0) any_block_ = true;
   if (program_number) {
     pass(out);
     return write_header(out);
   }
   if (block_->count == 0) return pass(out);
+  if (block_->pole == Block::Pole::set) return set_pole();
   if (block_->slash && profile_.text.skip != Profile::Skip::ignored) {
     using BlockDelete = ControlSetup::BlockDelete;
     if (job_.setup.block_delete == BlockDelete::on) return pass(out);
@@ -245,6 +263,7 @@ void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::
   if (!read_instruction(profile_, *block_, modal_, number_, findings_, instruction_)) return;
   if (instruction_.turns_axes && !turn_words_allowed()) return;
   execute(out);
+  if (begins) write_header(out);
   if (instruction_.flow != 0) [[unlikely]]
     follow_flow();
 }
@@ -307,6 +326,11 @@ void Rewriter::execute(std::string& out) {
 }
 
 void Rewriter::finish(std::string& out) {
+  if (held_pole_) {
+    const std::size_t begin = out.size();
+    release_pole(out);
+    count_blocks(begin, out);
+  }
   if (!header_written_ && !job_.header.empty() && !findings_.refused()) write_header(out);
   if (!ended_ && any_block_) {
     findings_.add(Severity::warning, "W-END", 0, "", 0, 1,

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "abbe/compensate/arc.h"
+#include "abbe/compensate/block_numbers.h"
 #include "abbe/compensate/correction_field.h"
 #include "abbe/compensate/line_edit.h"
 #include "abbe/compensate/line_split.h"
@@ -19,6 +20,7 @@
 #include "abbe/compensate/turn_word.h"
 #include "abbe/program/block.h"
 #include "abbe/program/frames.h"
+#include "abbe/program/klartext_block.h"
 #include "abbe/program/modal.h"
 #include "abbe/program/program_findings.h"
 
@@ -78,10 +80,13 @@ class Rewriter {
   [[nodiscard]] bool smooths_more_than_tolerance() const;
   void pass(std::string& out);
   void write_header(std::string& out);
+  /// Axes whose word in this block is a distance, bits 0 1 2 = X Y Z.
+  [[nodiscard]] unsigned increments() const { return modal_.incremental ? 7U : block_->increments; }
   [[gnu::cold]] void refuse(const Word& word, const char* code, std::string message, const char* why,
                             const char* fix);
   [[gnu::cold]] void refuse_block(const char* code, std::string message, const char* why, const char* fix);
   [[gnu::cold]] void warn(const char* code, std::string message, const char* why, const char* fix);
+  void count_blocks(std::size_t begin, std::string& out);
   void end_line(std::string& out, std::size_t begin);
   void check_length(std::size_t bytes);
   /// A block of its own behind the one that is split: " X1.5 Y2.", with the block delete of the original.
@@ -198,6 +203,16 @@ class Rewriter {
   [[nodiscard]] Value centre_value(int k, double centre, const Vec3& start, bool first, double& base) const;
   void command_centre(const ArcPiece& piece, const Vec3& start, bool first, std::string* extra);
 
+  // rewriter_pole.cpp: conversational programs, whose arcs go about a pole
+  void set_pole();
+  void release_pole(std::string& out);
+  void drop_pole();
+  void place_pole(const Centre& centre, std::string& before);
+  void begin_pole_arc(const ArcPiece& piece, std::string& before, std::string& extra);
+  void end_pole_arc(bool first, std::string& extra);
+  std::optional<bool> leaves_plane(const Arc& nominal, double height);
+  bool chords(const Arc& nominal, std::string& out, Vec3& p_out);
+
   // rewriter_cycle.cpp
   void cycle(std::string& out);
   /// The holes of one block, program coordinates, mm.
@@ -290,6 +305,17 @@ class Rewriter {
   std::uint64_t call_line_ = 0;          ///< of the one in the main program
   bool returned_ = false;                ///< the running subprogram came to its M99
   std::uint64_t behind_ = 0;             ///< lines before this one are already written
+
+  /// The pole CC of the original and of the output, program coordinates, mm; nothing: none that is sure.
+  std::optional<Centre> pole_in_, pole_out_;
+  /// A line CC that is held back until the arc about it is known.
+  struct HeldPole {
+    std::string text, eol;
+    Block block;
+  };
+  std::unique_ptr<HeldPole> held_pole_;
+  KlartextContext klartext_;
+  BlockNumbers block_numbers_;
 
   std::vector<MoveSample> samples_;
   std::vector<ArcTarget> targets_;

@@ -61,7 +61,13 @@ std::optional<Arc> Rewriter::nominal_arc(const Vec3& p0, const Vec3& p1) {
     turns = static_cast<int>(p->value);
   }
   double ca = 0, cb = 0;
-  if (r) {
+  if (block_->pole == Block::Pole::used) {
+    if (!pole_in_)
+      return bad("an arc about a pole that no CC has set since the frame changed", "the path is not defined",
+                 "write CC X.. Y.. before it");
+    ca = pole_in_->a;
+    cb = pole_in_->b;
+  } else if (r) {
     if (wa || wb) return bad("an arc with R and with I J K", "the control refuses it", "keep one form");
     const auto centre = centre_of_radius(modal_.plane, p0, p1, r->value * unit, clockwise);
     if (!centre)
@@ -108,6 +114,13 @@ Rewriter::Value Rewriter::centre_value(int k, double centre, const Vec3& start, 
                                        double& base) const {
   const Word* named = instruction_.find(*block_, "IJK"[k]);
   const Word* word = first ? named : nullptr;
+  if (profile_.text.conversational) {
+    base = 0;
+    const int decimals = decimals_of(nullptr);
+    if (!pole_out_) return {rounded(centre / modal_.unit(), decimals), true};
+    return value_for(centre / modal_.unit(), nullptr, (k == 0 ? pole_out_->a : pole_out_->b) / modal_.unit(),
+                     decimals);
+  }
   base = modal_.absolute_centre ? 0.0 : start[k];
   const double wanted = (centre - base) / modal_.unit();
   if (modal_.absolute_centre && !word) return {rounded(wanted, decimals_of(named)), true};
@@ -141,6 +154,7 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
   };
   const bool closed = same_place(nominal_start, nominal_end);
   piece.end = targets_.back().point;
+  if (profile_.text.conversational) piece.end.z() = start.z();  // C and CR stay in their plane
   if (closed) {
     piece.end[a] = start[a];
     piece.end[b] = start[b];
@@ -330,6 +344,13 @@ bool Rewriter::arc(const Move& move, std::string& out) {
 }
 
 bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
+  const bool by_pole = profile_.text.conversational;
+  if (by_pole) {
+    const auto leaves = leaves_plane(nominal, p_out.z());
+    if (!leaves) return false;
+    if (*leaves && stretches_.size() == 1) return chords(nominal, out, p_out);
+  }
+  std::string lead;  // blocks in front of the first
   std::string extra, tail;
   int blocks = 0, pieces = 0;
   const int turns = std::max(1, static_cast<int>(std::ceil(std::abs(nominal.sweep) / kTurn - 1e-9)));
@@ -347,6 +368,12 @@ bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
                    "nothing can be put between its parts",
                    "leave the arc out, or leave --reversal away: the mean is compensated and the lost motion "
                    "reported");
+      return false;
+    }
+    if (place && profile_.text.conversational) {
+      refuse_block("E-REVERSAL", "lost motion must be taken up on an arc",
+                   "a line in front of the arc would take its feed and its codes",
+                   "post arcs as lines, or leave --reversal away");
       return false;
     }
     if (place) {
@@ -379,8 +406,13 @@ bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
       extra.clear();
       if (straight) extra = instruction_.motion == 20 ? " G2" : " G3";
       straight = false;
+      if (by_pole) begin_pole_arc(piece, first ? lead : tail, extra);
       command(piece.end, first, p_out, &extra);
-      command_centre(piece, start, first, &extra);
+      if (by_pole) {
+        end_pole_arc(first, extra);
+      } else {
+        command_centre(piece, start, first, &extra);
+      }
       put_feed_share(piece.s1 - piece.s0, first, &extra);
       if (first && !last) {
         stops_to_last(true, nullptr);
@@ -397,6 +429,7 @@ bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
       s0 = piece.s1;
     }
   }
+  out += lead;
   const std::size_t begin = out.size();
   edit_.append_to(out);
   const std::string_view line_eol = eol_;

@@ -63,21 +63,22 @@ bool Rewriter::read_move(Move& move) {
     }
     return false;
   }
-  if (modal_.incremental && (move.named & shifted_) != 0) {
+  const unsigned distances = increments();
+  if ((distances & move.named & shifted_) != 0 || (modal_.incremental && (move.named & shifted_) != 0)) {
     refuse_block("E-POS", "an increment of an axis whose zero has moved since it was commanded",
                  "the control adds that shift to it, or does not, as a setting says",
                  "command the axis in G90 first");
     return false;
   }
-  if (!modal_.incremental) shifted_ &= ~move.named;
+  if (!modal_.incremental) shifted_ &= ~(move.named & ~distances);
   // Coordinates stay in registers: stored one by one and loaded together they would have to be waited for.
   const Vec3 p0 = frames.to_program(in_.m);
   const auto coordinate = [&](int k) {
     const Word* word = axis_word(k);
-    return word ? word->value * modal_.unit() + (modal_.incremental ? p0[k] : 0.0) : p0[k];
+    return word ? word->value * modal_.unit() + ((distances & 1u << k) != 0 ? p0[k] : 0.0) : p0[k];
   };
   const Vec3 m1 = frames.to_machine(Vec3(coordinate(0), coordinate(1), coordinate(2)));
-  if (!modal_.incremental) move.known1 |= move.named & 7u;
+  move.known1 |= move.named & 7u & ~distances;
   // A rotated frame mixes X and Y: one is known only with the other.
   if (frames.rotated() && (move.known1 & 3u) != 3u) move.known1 &= ~3u;
   // Axes that are not named stay exactly where they are.
@@ -171,7 +172,7 @@ void Rewriter::uncorrected(const Move& move, std::string& out) {
   Vec3 p = out_.p();
   for (int k = 0; k < 3; ++k) {
     if (const Word* word = axis_word(k))
-      p[k] = word->value * modal_.unit() + (modal_.incremental ? p[k] : 0.0);
+      p[k] = word->value * modal_.unit() + ((increments() & 1u << k) != 0 ? p[k] : 0.0);
   }
   const Vec3 m = out_.frames.to_machine(p);
   for (int k = 0; k < 3; ++k) {
@@ -346,8 +347,10 @@ Rewriter::Value Rewriter::axis_value(int k, const Vec3& want, const Vec3& p_out,
                                      double& base) const {
   const Word* named = axis_word(k);
   const Word* word = first ? named : nullptr;
-  base = modal_.incremental ? p_out[k] : 0.0;
-  const double present = modal_.incremental ? 0.0 : p_out[k] / modal_.unit();
+  // a word that we add says a place, unless all words are distances
+  const bool distance = modal_.incremental || (word != nullptr && (block_->increments & 1u << k) != 0);
+  base = distance ? p_out[k] : 0.0;
+  const double present = distance ? 0.0 : p_out[k] / modal_.unit();
   // An axis that G53 commanded gets no word of ours.
   if (!word && (withheld_ & (1u << k))) return {present, false};
   return value_for((want[k] - base) / modal_.unit(), word, present, decimals_of(named));
@@ -360,7 +363,7 @@ double Rewriter::put(char letter, const Word* word, double number, int decimals,
     *extra += letter;
   }
   if (word) return edit_.replace(*word, number, decimals);
-  return append_fixed(first ? edit_.add(letter) : *extra, number, decimals);
+  return append_number(first ? edit_.add(letter) : *extra, number, decimals, block_->style);
 }
 
 void Rewriter::command(const Vec3& want, bool first, Vec3& p_out, std::string* extra, unsigned skip) {
@@ -383,13 +386,15 @@ void Rewriter::write_pieces(const Move& move, const std::vector<Piece>& pieces, 
   for (std::size_t j = 0; j < pieces.size(); ++j) {
     const Piece& piece = pieces[j];
     const bool first = j == 0, last = j + 1 == pieces.size();
-    extra.clear();
+    // every block of a conversational program says what it does
+    extra = profile_.text.conversational ? " L" : "";
+    const std::size_t bare = extra.size();
     command(piece.want, first, p_out, &extra);
     if (move.turns()) command_turns(move, piece, first, &extra);
     if (timed_feed_ > 0 || modal_.feed_mode == 930) put_feed_share(piece.s1 - piece.s0, first, &extra);
     if (!last && first && timed_feed_ == 0) stops_to_last(true, nullptr);
     if (!first && last && timed_feed_ == 0) stops_to_last(false, &extra);
-    if (first || extra.empty()) continue;  // empty: the rounded end is where the last piece went
+    if (first || extra.size() == bare) continue;  // empty: the rounded end is where the last piece went
     add_block(extra, last ? eol_ : inner_eol, tail);
     const double part = (piece.s1 - piece.s0) * (move.m1 - move.m0).norm();
     if (report_.shortest_split == 0 || part < report_.shortest_split) report_.shortest_split = part;

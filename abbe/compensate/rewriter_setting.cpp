@@ -125,6 +125,7 @@ bool Rewriter::choose_work_offset() {
   }
   const Vec3 reading = in_.p();
   const Turns zeros = in_.frames.turn_offset();
+  drop_pole();
   in_.frames.select(instruction_.wcs);
   out_.frames.select(instruction_.wcs);
   note_shift(reading, zeros);
@@ -274,7 +275,9 @@ bool Rewriter::zero_group(std::string& out, bool& done) {
       move_text_ = "reference position: copied; these axes are unknown until they are commanded again";
       return copy();
     }
-    case 520:
+    case 520: {
+      const Vec3 reading = in_.p();
+      drop_pole();
       for (auto* side : {&in_, &out_}) {
         Vec3 g92 = side->frames.g92();
         for (int k = 0; k < 3; ++k) {
@@ -284,7 +287,9 @@ bool Rewriter::zero_group(std::string& out, bool& done) {
         side->g92_saved = g92;
       }
       saved_g92_ = true;
+      note_shift(reading, in_.frames.turn_offset());
       return copy();
+    }
     case 521:
     case 522:
     case 681:

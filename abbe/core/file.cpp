@@ -20,6 +20,8 @@
 #include <system_error>
 #include <vector>
 
+#include "abbe/core/file_growth.h"
+
 namespace abbe {
 namespace {
 
@@ -217,6 +219,8 @@ struct LineReader::State {
   std::size_t lines = 0;
   std::uint64_t consumed = 0;
   std::optional<FileError> error;
+  FileGrowth* growth = nullptr;
+  std::uint64_t taken = 0;  // from the file
   bool hashed = true;
   Sha256 hash;
 
@@ -227,12 +231,16 @@ struct LineReader::State {
       searched -= begin;
       begin = 0;
     }
-    const ssize_t got = read_some(file.get(), buffer.data() + end, buffer.size() - end);
+    ssize_t got = 0;
+    do {
+      got = read_some(file.get(), buffer.data() + end, buffer.size() - end);
+    } while (got == 0 && growth != nullptr && growth->wait_beyond(taken));
     if (got < 0) error = failure(path, errno);
     if (got <= 0) {
       at_end = true;
       return false;
     }
+    taken += static_cast<std::uint64_t>(got);
     if (hashed) hash.add({buffer.data() + end, static_cast<std::size_t>(got)});
     end += static_cast<std::size_t>(got);
     return true;
@@ -291,10 +299,11 @@ LineReader::~LineReader() = default;
 LineReader::LineReader(LineReader&&) noexcept = default;
 LineReader& LineReader::operator=(LineReader&&) noexcept = default;
 
-FileResult<LineReader> LineReader::open(const std::string& path, bool hashed) {
+FileResult<LineReader> LineReader::open(const std::string& path, bool hashed, FileGrowth* growth) {
   LineReader reader;
   State& state = *reader.state_;
   state.hashed = hashed;
+  state.growth = growth;
   state.path = path;
   // Not to wait for the other end of a pipe, which is refused below.
   state.file = Descriptor(open_retry(path.c_str(), O_RDONLY | O_NONBLOCK));
@@ -378,6 +387,7 @@ struct SpoolFile::State {
   Descriptor file;
   std::string buffer;
   std::uint64_t size = 0;
+  FileGrowth* growth = nullptr;
   std::optional<FileError> error;
 
   ~State() { discard(); }
@@ -441,10 +451,11 @@ FileResult<SpoolFile> SpoolFile::create(const std::string& path) {
 bool SpoolFile::write(std::string_view bytes) {
   State& s = *state_;
   if (s.error) return false;
-  s.size += bytes.size();
   if (s.buffer.size() + bytes.size() > kBuffer && !flush()) return false;
+  s.size += bytes.size();
   if (bytes.size() >= kBuffer) {
     if (!write_all(s.file.get(), bytes.data(), bytes.size())) return s.fail(failure(s.path, errno));
+    if (s.growth != nullptr) s.growth->grown_to(s.size);
     return true;
   }
   s.buffer.append(bytes);
@@ -456,8 +467,11 @@ bool SpoolFile::flush() {
   if (s.error) return false;
   if (!write_all(s.file.get(), s.buffer.data(), s.buffer.size())) return s.fail(failure(s.path, errno));
   s.buffer.clear();
+  if (s.growth != nullptr) s.growth->grown_to(s.size);
   return true;
 }
+
+void SpoolFile::tell(FileGrowth& growth) { state_->growth = &growth; }
 
 const std::string& SpoolFile::temporary_path() const { return state_->temporary; }
 std::uint64_t SpoolFile::size() const { return state_->size; }

@@ -12,6 +12,8 @@
 
 namespace abbe {
 
+class FileGrowth;
+
 /// Why a file operation failed, in words with the path: "part.ngc: No such file or directory".
 struct FileError {
   std::string message;
@@ -59,8 +61,10 @@ class LineReader {
  public:
   static constexpr std::size_t kMaxLine = std::size_t{1} << 16;
 
-  /// `hashed` false: sha256() is not asked for, reading is faster.
-  [[nodiscard]] static FileResult<LineReader> open(const std::string& path, bool hashed = true);
+  /// `hashed` false: sha256() is not asked for, reading is faster. `growth`, kept by the caller: of a file that
+  /// another thread still writes.
+  [[nodiscard]] static FileResult<LineReader> open(const std::string& path, bool hashed = true,
+                                                   FileGrowth* growth = nullptr);
   ~LineReader();
   LineReader(LineReader&&) noexcept;
   LineReader& operator=(LineReader&&) noexcept;
@@ -98,6 +102,8 @@ class SpoolFile {
   SpoolFile(SpoolFile&&) noexcept;
   SpoolFile& operator=(SpoolFile&&) noexcept;
 
+  /// From now on `growth`, kept by the caller, says how far temporary_path() can be read.
+  void tell(FileGrowth& growth);
   [[nodiscard]] bool write(std::string_view bytes);  ///< false: see error()
   [[nodiscard]] bool flush();                        ///< so that temporary_path() can be read
   [[nodiscard]] const std::string& temporary_path() const;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
@@ -12,6 +13,7 @@
 namespace abbe {
 namespace {
 
+constexpr int kMostPoints = 2000;  // between two gaps
 constexpr double kTurn = 2 * std::numbers::pi;
 
 /// The chain alone: no errors, every axis free, and no travels unless they are asked for.
@@ -63,6 +65,66 @@ std::optional<double> axis_sign_of(const Plan& plan, const GearJob& job, const W
   return best;
 }
 
+double angle_of(const GearJob& job, std::size_t gap, double height) {
+  return job.cutting.first_gap + kTurn * static_cast<double>(gap) / job.gear.spec.teeth +
+         job.gear.turn_per_mm * height;
+}
+
+/// The wheel outside the tip cylinder, at any angle and height.
+TipAndAxis outside_pose(const GearJob& job, const WheelInGap& wheel, double angle, double height,
+                        double axis_sign) {
+  const Mat3 R = Eigen::AngleAxisd(angle, Vec3::UnitZ()).toRotationMatrix();
+  return {
+      R * Vec3(wheel.centre_distance + approach_of(job).down, 0, 0) + Vec3(0, 0, job.cutting.middle + height),
+      axis_sign * (R * wheel.axis)};
+}
+
+/// Leads the machine from pose to pose; where that fails, `problem` says why.
+class Follower {
+ public:
+  Follower(const Plan& plan, const AxisCommands& start)
+      : plan_(plan), tool_(tool_of(plan.machine())), path_(path_options(plan), start) {}
+
+  /// Commands for a pose between two gaps.
+  [[nodiscard]] std::optional<AxisCommands> reach(const TipAndAxis& pose, std::size_t gap,
+                                                  const std::string& where) {
+    const InverseResult found = path_.pose(plan_, tool_, pose.position, pose.tool_axis);
+    if (found.status == Status::failed) {
+      fail(gap, where, "the travels of the axes end before the wheel is there");
+      return std::nullopt;
+    }
+    last_ = found.q;
+    return found.q;
+  }
+  /// The same after another pose in the gap: no axis may go back by a turn to stay within its travel there.
+  [[nodiscard]] std::optional<AxisCommands> go_on(const TipAndAxis& pose, std::size_t gap,
+                                                  const std::string& where) {
+    const AxisCommands before = last_;
+    const auto q = reach(pose, gap, where);
+    const Machine& machine = plan_.machine();
+    for (int i = 0; q && i < machine.axis_count(); ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      if (machine.axis(i).type != AxisType::rotary || std::abs((*q)[k] - before[k]) < kTurn / 2) continue;
+      fail(gap, where,
+           fmt::format("axis {} would have to turn back with the wheel in the gap", machine.axis(i).name));
+      return std::nullopt;
+    }
+    return q;
+  }
+  [[nodiscard]] const CuttingProblem& problem() const { return problem_; }
+
+ private:
+  void fail(std::size_t gap, const std::string& where, const std::string& what) {
+    problem_ = {CuttingProblem::Trouble::travel, fmt::format("gap {}, {}: {}", gap + 1, where, what)};
+  }
+
+  const Plan& plan_;
+  const Tool tool_;
+  PathSolver path_;
+  AxisCommands last_{};
+  CuttingProblem problem_;
+};
+
 CuttingProblem missing_axes(const Machine& machine, const WheelInGap& wheel) {
   const double swivel = std::atan2(-wheel.axis.z(), wheel.axis.y());
   return {CuttingProblem::Trouble::axes,
@@ -75,9 +137,7 @@ CuttingProblem missing_axes(const Machine& machine, const WheelInGap& wheel) {
 }  // namespace
 
 Mat3 gap_axes(const GearJob& job, std::size_t gap, double height) {
-  const double angle = job.cutting.first_gap + kTurn * static_cast<double>(gap) / job.gear.spec.teeth +
-                       job.gear.turn_per_mm * height;
-  return Eigen::AngleAxisd(angle, Vec3::UnitZ()).toRotationMatrix();
+  return Eigen::AngleAxisd(angle_of(job, gap, height), Vec3::UnitZ()).toRotationMatrix();
 }
 
 TipAndAxis wheel_pose(const GearJob& job, const WheelInGap& wheel, std::size_t gap, double height,
@@ -95,6 +155,32 @@ Stroke stroke_of(const GearJob& job, const WheelInGap& wheel) {
 Approach approach_of(const GearJob& job) {
   const double radius = job.wheel.diameter / 2, depth = job.gear.tip_radius - job.gear.root_radius;
   return {job.cutting.clearance + depth, std::sqrt(radius * radius - (radius - depth) * (radius - depth))};
+}
+
+std::vector<TipAndAxis> poses_before_gap(const GearJob& job, const WheelInGap& wheel, std::size_t gap,
+                                         double axis_sign) {
+  const Stroke stroke = stroke_of(job, wheel);
+  const Approach approach = approach_of(job);
+  const double low = stroke.low - approach.along, high = stroke.high + approach.along;
+  const double to = angle_of(job, gap, low);
+  if (gap == 0) return {outside_pose(job, wheel, to, low, axis_sign)};
+  const double from = angle_of(job, gap - 1, high);
+  // r (1 - cos(step / 2)) <= clearance / 4
+  const double radius = wheel.centre_distance + approach.down;
+  const double step = 2 * std::acos(std::max(0.0, 1 - job.cutting.clearance / (4 * radius)));
+  const int count = std::clamp(static_cast<int>(std::ceil(std::abs(to - from) / step)), 1, kMostPoints);
+  std::vector<TipAndAxis> poses;
+  for (int i = 1; i <= count; ++i) {
+    const double part = static_cast<double>(i) / count;
+    poses.push_back(
+        outside_pose(job, wheel, from + part * (to - from), high + part * (low - high), axis_sign));
+  }
+  return poses;
+}
+
+TipAndAxis pose_after_gap(const GearJob& job, const WheelInGap& wheel, std::size_t gap, double axis_sign) {
+  const double high = stroke_of(job, wheel).high + approach_of(job).along;
+  return outside_pose(job, wheel, angle_of(job, gap, high), high, axis_sign);
 }
 
 double CuttingMotion::time(const CuttingSpec& cutting, std::size_t gap, std::size_t node) const {
@@ -115,23 +201,32 @@ std::variant<CuttingMotion, CuttingProblem> plan_cutting(const Machine& machine,
   const Plan plan = ideal_plan(machine, true), anywhere = ideal_plan(machine, false);
   if (!axis_sign_of(anywhere, job, wheel, 0, start)) return missing_axes(machine, wheel);
   const std::optional<double> sign = axis_sign_of(plan, job, wheel, motion.stroke.low, start);
-  motion.axis_sign = sign.value_or(1);
-  PathSolver path(path_options(plan), start);
-  const Tool tool = tool_of(machine);
-  for (int gap = 0; gap < job.gear.spec.teeth; ++gap)
+  if (!sign)
+    return CuttingProblem{CuttingProblem::Trouble::travel,
+                          "the travels of the axes end before the wheel is in gap 1"};
+  motion.axis_sign = *sign;
+  Follower follower(plan, start);
+  const auto pose_at = [&](std::size_t gap, double height) {
+    const TipAndAxis nominal = wheel_pose(job, wheel, gap, height, motion.axis_sign);
+    return change ? change(gap, height, nominal) : nominal;
+  };
+  const auto follow = [&](std::size_t gap) {
+    const char *in = "on the way into it", *out = "on the way out of it";
+    for (const TipAndAxis& pose : poses_before_gap(job, wheel, gap, motion.axis_sign))
+      if (!follower.reach(pose, gap, in)) return false;
+    if (!follower.go_on(pose_at(gap, motion.stroke.low - motion.approach.along), gap, in)) return false;
     for (std::size_t node = 0; node < nodes; ++node) {
-      const auto index = static_cast<std::size_t>(gap);
-      const TipAndAxis nominal = wheel_pose(job, wheel, index, motion.height(node), motion.axis_sign);
-      const TipAndAxis pose = change ? change(index, motion.height(node), nominal) : nominal;
-      const InverseResult found = path.pose(plan, tool, pose.position, pose.tool_axis);
-      if (!sign || found.status == Status::failed)
-        return CuttingProblem{
-            CuttingProblem::Trouble::travel,
-            fmt::format("gap {}, {:.3f} mm above the middle of the face: the travels of the axes end "
-                        "before the wheel is there",
-                        gap + 1, motion.height(node))};
-      motion.commands.push_back(found.q);
+      const double height = motion.height(node);
+      const auto q = follower.go_on(pose_at(gap, height), gap,
+                                    fmt::format("{:.3f} mm above the middle of the face", height));
+      if (!q) return false;
+      motion.commands.push_back(*q);
     }
+    return follower.go_on(pose_at(gap, motion.stroke.high + motion.approach.along), gap, out) &&
+           follower.go_on(pose_after_gap(job, wheel, gap, motion.axis_sign), gap, out);
+  };
+  for (std::size_t gap = 0; gap < static_cast<std::size_t>(job.gear.spec.teeth); ++gap)
+    if (!follow(gap)) return follower.problem();
   return motion;
 }
 

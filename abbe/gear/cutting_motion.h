@@ -38,6 +38,14 @@ struct Approach {
 ///     wheel: there the wheel does not reach the tip cylinder any more
 [[nodiscard]] Approach approach_of(const GearJob& job);
 
+/// The wheel `clearance` outside the tip cylinder: on the way to a gap from the upper end of the one before
+/// (to the first gap: where that begins), about the gear so closely that straight lines between keep three
+/// quarters of the clearance; and above the upper end of a gap.
+[[nodiscard]] std::vector<TipAndAxis> poses_before_gap(const GearJob& job, const WheelInGap& wheel,
+                                                       std::size_t gap, double axis_sign);
+[[nodiscard]] TipAndAxis pose_after_gap(const GearJob& job, const WheelInGap& wheel, std::size_t gap,
+                                        double axis_sign);
+
 using AxisCommands = std::array<double, kMaxAxes>;
 
 /// Axis commands for every gap, as the machine without errors needs them.
@@ -75,9 +83,12 @@ struct CuttingProblem {
 ///
 /// start    where the machine stands: decides the branch
 /// change   null: nominal poses
+/// The ways between the gaps, into them and out of them (poses_before_gap, approach_of) are followed too, so
+/// that travels hold for all that a program of the cut would command.
+///
 /// errors   CuttingProblem
-/// laws     CommandsBringTheWheelToItsPose
-/// cost     one inverse per gap and node
+/// laws     CommandsBringTheWheelToItsPose, TravelsHoldBetweenTheGaps
+/// cost     one inverse per gap and node, and some five per gap
 [[nodiscard]] std::variant<CuttingMotion, CuttingProblem> plan_cutting(
     const Machine& machine, const GearJob& job, const WheelInGap& wheel, std::size_t nodes,
     const AxisCommands& start, const PoseChange& change = {});

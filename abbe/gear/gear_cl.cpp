@@ -2,11 +2,9 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
-#include <numbers>
 
 #include "abbe/core/number.h"
 
@@ -27,13 +25,12 @@ class Writer {
     const Approach approach = approach_of(job);
     low_ = stroke.low - approach.along;
     high_ = stroke.high + approach.along;
-    out_radius_ = wheel.centre_distance + approach.down;
   }
 
   std::string write() {
     header();
     for (std::size_t gap = 0; gap < static_cast<std::size_t>(job_.gear.spec.teeth); ++gap) {
-      go_to(gap);
+      for (const TipAndAxis& pose : poses_before_gap(job_, wheel_, gap, sign_)) rapid_to(pose);
       stroke(gap);
     }
     text_ += "FINI\n";
@@ -62,31 +59,9 @@ class Writer {
     text_ += '\n';
   }
 
-  /// The wheel outside the tip cylinder, at any angle and height.
-  void outside(double angle, double height) {
-    const Mat3 R = Eigen::AngleAxisd(angle, Vec3::UnitZ()).toRotationMatrix();
+  void rapid_to(const TipAndAxis& pose) {
     text_ += "RAPID\n";
-    point(
-        {R * Vec3(out_radius_, 0, 0) + Vec3(0, 0, job_.cutting.middle + height), sign_ * (R * wheel_.axis)});
-  }
-
-  [[nodiscard]] double angle_of(std::size_t gap, double height) const {
-    return job_.cutting.first_gap + 2 * std::numbers::pi * static_cast<double>(gap) / job_.gear.spec.teeth +
-           job_.gear.turn_per_mm * height;
-  }
-
-  /// From the upper end of one gap to the lower end of the next.
-  void go_to(std::size_t gap) {
-    const double to = angle_of(gap, low_);
-    if (gap == 0) return outside(to, low_);
-    const double from = angle_of(gap - 1, high_);
-    // r (1 - cos(step / 2)) <= clearance / 4
-    const double step = 2 * std::acos(std::max(0.0, 1 - job_.cutting.clearance / (4 * out_radius_)));
-    const int count = std::clamp(static_cast<int>(std::ceil(std::abs(to - from) / step)), 1, kMostPoints);
-    for (int i = 1; i <= count; ++i) {
-      const double part = static_cast<double>(i) / count;
-      outside(from + part * (to - from), high_ + part * (low_ - high_));
-    }
+    point(pose);
   }
 
   /// Straight pieces of a helix of radius a and of the crowning's parabola.
@@ -108,14 +83,14 @@ class Writer {
       const TipAndAxis nominal = wheel_pose(job_, wheel_, gap, height, sign_);
       point(change_ ? change_(gap, height, nominal) : nominal);
     }
-    outside(angle_of(gap, high_), high_);
+    rapid_to(pose_after_gap(job_, wheel_, gap, sign_));
   }
 
   const GearJob& job_;
   const WheelInGap& wheel_;
   double sign_, tolerance_;
   const PoseChange& change_;
-  double low_ = 0, high_ = 0, out_radius_ = 0;
+  double low_ = 0, high_ = 0;
   std::string text_;
 };
 

@@ -119,7 +119,7 @@ class Cutter {
  private:
   [[nodiscard]] AxisCommands for_the_pose(const Plan& plan, const Query& nominal, MachineCut& cut) const {
     const Correction found = correct(plan, nominal, options_.free, options_.solver);
-    if (found.status == Status::partial) ++cut.partial;
+    if (found.status == Status::partial || found.status == Status::degraded) ++cut.partial;
     if (found.status == Status::failed) ++cut.failed;
     return found.corrected;
   }

@@ -49,7 +49,7 @@ struct MachineCut {
   std::vector<AxisCommands> commands;  ///< sent, as CuttingMotion orders them
   bool outside = false;                ///< an error was held beyond its measured ends
   bool stopped = false;                ///< by `progress`; the rest is then empty
-  std::size_t partial = 0;             ///< places where an axis was missing for part of the position
+  std::size_t partial = 0;             ///< places where an axis was missing, or held, for part of the position
   std::size_t failed = 0;              ///< places without a correction: nominal commands
 };
 

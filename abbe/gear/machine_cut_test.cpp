@@ -1,5 +1,6 @@
 #include "abbe/gear/machine_cut.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,6 +12,8 @@
 
 namespace abbe {
 namespace {
+
+using ::testing::HasSubstr;
 
 constexpr double kNothing = 1e-9;     // mm
 constexpr double kFirstOrder = 1e-6;  // mm
@@ -121,6 +124,39 @@ TEST(PlanCutting, AMachineWithoutTheAxesIsRefused) {
   far.cutting.middle = 2000;
   EXPECT_EQ(trouble(plan_cutting(test::machine_of(test::gear_grinder()), far, wheel, kNodes, {})),
             CuttingProblem::Trouble::travel);
+}
+
+TEST(PlanCutting, TravelsHoldBetweenTheGaps) {
+  // The wheel goes 87.1 mm beyond its stroke of 104 mm, and 32 mm out, with the seed's gear.
+  const GearJob job = test::job_of(test::seed_spec());
+  const WheelInGap wheel = test::wheel_of(job.gear);
+  const auto message = [&](const std::string& ranges) -> std::string {
+    const Machine machine = test::machine_of("format = 1\n[machine]\nchain = \"w C b X Z S t\"\n" + ranges +
+                                             "[tool]\naxis = [0, 1, 0]\n");
+    const auto planned = plan_cutting(machine, job, wheel, kNodes, {});
+    const auto* problem = std::get_if<CuttingProblem>(&planned);
+    return problem != nullptr ? problem->message : "";
+  };
+  const std::string turn = "[axis.C]\ndirection = [0, 0, 1]\n";
+  EXPECT_EQ(message(turn + "[axis.X]\nrange = [690, 735]\n[axis.Z]\nrange = [-140, 140]\n"), "");
+  EXPECT_THAT(message(turn + "[axis.X]\n[axis.Z]\nrange = [-130, 140]\n"),
+              HasSubstr("gap 1, on the way into it"));
+  EXPECT_THAT(message(turn + "[axis.X]\n[axis.Z]\nrange = [-140, 130]\n"),
+              HasSubstr("gap 1, on the way out of it"));
+  EXPECT_THAT(message(turn + "[axis.X]\nrange = [690, 705]\n[axis.Z]\n"),
+              HasSubstr("gap 1, on the way into it"));
+  EXPECT_THAT(message(turn + "range = [-90, 90]\n[axis.X]\n[axis.Z]\n"), HasSubstr("gap 25"));
+  // A table of one turn goes back between two gaps of a spur gear, but not within a gap of a helical one.
+  EXPECT_EQ(message(turn + "range = [-180, 180]\n[axis.X]\n[axis.Z]\n"), "");
+  Machine grinder = test::machine_of(test::gear_grinder());
+  const auto c = static_cast<std::size_t>(grinder.find_axis("C"));
+  grinder.bodies[static_cast<std::size_t>(grinder.axes[c])].range = std::array{-180 * deg, 180 * deg};
+  const GearJob helical = test::job_of(test::helical_spec());
+  AxisCommands near{};
+  near[static_cast<std::size_t>(grinder.find_axis("A"))] = 90 * deg;
+  const auto planned = plan_cutting(grinder, helical, test::wheel_of(helical.gear), kNodes, near);
+  ASSERT_TRUE(std::holds_alternative<CuttingProblem>(planned));
+  EXPECT_THAT(std::get<CuttingProblem>(planned).message, HasSubstr("axis C would have to turn back"));
 }
 
 TEST(MachineCut, NominalMachineHasNoDeviation) {

@@ -23,7 +23,7 @@ inline std::string gear_grinder(const std::string& errors = "") {
          "[axis.X]\ndirection = [1, 0, 0]\nrange = [-400, 400]\nerrors_seen = \"body\"\n"
          "[axis.C]\ndirection = [0, 0, 1]\nlocation = \"frame\"\nerrors_seen = \"body\"\n"
          "[axis.Y]\nlocation = \"frame\"\nrange = [-400, 400]\n[axis.Z]\nlocation = \"frame\"\nrange = "
-         "[-300, 300]\n"
+         "[-400, 300]\n"
          "[axis.A]\norigin = [0, 0, 200]\nrange = [-120, 120]\n"
          "order = [\"location\", \"motion\", \"static\", \"-location\"]\n[tool]\norigin = [0, 0, "
          "0]\n[errors]\n" +

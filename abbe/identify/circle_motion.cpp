@@ -53,6 +53,12 @@ CircleMotion::CircleMotion(const BallbarTest& test, const BallbarRun& run, const
 
 double CircleMotion::angle(std::size_t i, double shift) const { return run_->angle[i] + rate_[i] * shift; }
 
+double CircleMotion::bar_angle(std::size_t i, double shift) const {
+  if (run_->actual.empty()) return angle(i, shift);
+  const Vec3 bar = run_->actual[i] - test_->centre;
+  return std::atan2(bar[test_->plane.second], bar[test_->plane.first]) + rate_[i] * shift;
+}
+
 AxisState CircleMotion::state(std::size_t i, double shift) const {
   const double t = angle(i, shift), w = rate_[i], R = test_->radius;
   const Vec3 u = radial_direction(test_->plane, t);

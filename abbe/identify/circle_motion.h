@@ -31,6 +31,9 @@ class CircleMotion {
   [[nodiscard]] AxisState state(std::size_t i, double shift = 0) const;
   /// Of sample i, rad.
   [[nodiscard]] double angle(std::size_t i, double shift = 0) const;
+  /// Where the bar points: the angle, or, where positions were recorded, that of the actual one. With a lag
+  /// the two differ, and a rotation about the centre would seem to lengthen the bar.
+  [[nodiscard]] double bar_angle(std::size_t i, double shift = 0) const;
   [[nodiscard]] double angular_rate(std::size_t i) const { return rate_[i]; }
   /// False near a reversal of one of the two axes, within `window` seconds: the sense is not sure there.
   [[nodiscard]] bool sense_is_sure(std::size_t i, double window) const;

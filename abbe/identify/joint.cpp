@@ -216,7 +216,8 @@ Identification identifiability(const Machine& machine, const std::vector<Ballbar
                            choose_terms(machine, moving, travel_of_tests(machine, plan), options.terms));
   const Factored factored = factor_of(design, options, false);
   const LeastSquaresSolution fit = solve(factored.factor, {options.rank_tolerance, true});
-  if (!fit.ok()) return failed(Status::not_finite);
+  if (fit.status == LeastSquaresSolution::Status::not_finite) return failed(Status::not_finite);
+  if (!fit.ok()) return failed(Status::too_few_rows);
   Identification out;
   out.left_out = factored.left_out;
   out.noise_known = true;

@@ -8,6 +8,11 @@
 namespace abbe {
 namespace {
 
+// Of a term with a smaller part of its effect along the bar only rounding or the noise of recorded positions
+// is left there: scaled up, it would be taken for something seen.
+constexpr double kAlongTheBar = 1e-3;
+constexpr std::size_t kEnoughSamples = 90;  // of a run, evenly, to tell
+
 bool share_setup(const BallbarTest& a, const BallbarTest& b) {
   return !a.setup.empty() && a.setup == b.setup;
 }
@@ -43,6 +48,26 @@ JointDesign::JointDesign(const Machine& machine, const std::vector<BallbarTest>&
     std::vector<CircleMotion>& motions = motion_.emplace_back();
     for (const BallbarRun& run : tests[t].runs) motions.emplace_back(tests[t], run, axes_);
   }
+  hide_terms();
+}
+
+void JointDesign::hide_terms() {
+  std::vector<double> along(terms_.size()), whole(terms_.size());
+  for (std::size_t t = 0; t < motion_.size(); ++t) {
+    for (const CircleMotion& motion : motion_[t]) {
+      for (std::size_t i = 0; i < motion.size(); i += motion.size() / kEnoughSamples + 1) {
+        const AxisState state = motion.state(i);
+        const Vec3 u = radial((*tests_)[t].plane, motion.bar_angle(i));
+        for (std::size_t k = 0; k < terms_.size(); ++k) {
+          const Vec3 effect = effects_.of(k, state) * basis(terms_[k], state);
+          along[k] += u.dot(effect) * u.dot(effect);
+          whole[k] += effect.squaredNorm();
+        }
+      }
+    }
+  }
+  for (std::size_t k = 0; k < terms_.size(); ++k)
+    hidden_.push_back(along[k] <= kAlongTheBar * kAlongTheBar * whole[k]);
 }
 
 std::vector<std::string> JointDesign::names() const {
@@ -67,11 +92,11 @@ Vec3 JointDesign::radial(TestPlane plane, double angle) const {
 void JointDesign::row(std::size_t test, std::size_t run, std::size_t i, double shift,
                       std::span<double> row) const {
   const CircleMotion& motion = motion_[test][run];
-  const double angle = motion.angle(i, shift);
+  const double angle = motion.bar_angle(i, shift);
   const AxisState state = motion.state(i, shift);
   const Vec3 u = radial((*tests_)[test].plane, angle);
   for (std::size_t k = 0; k < terms_.size(); ++k)
-    row[k] = u.dot(effects_.of(k, state)) * basis(terms_[k], state);
+    row[k] = hidden_[k] ? 0.0 : u.dot(effects_.of(k, state)) * basis(terms_[k], state);
   std::fill(row.begin() + static_cast<std::ptrdiff_t>(terms_.size()), row.end(), 0.0);
   const std::size_t centre = terms_.size() + 2 * centre_[test];
   row[centre] = std::cos(angle);

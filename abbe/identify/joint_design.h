@@ -18,7 +18,8 @@ namespace abbe {
 /// Unknowns: the coefficients of the terms, then two coordinates of every centre, then the length error of
 /// every bar. Tests of one set-up (the balls stay where they are) share the centre in each plane, and the bar
 /// of each radius. u and the plane follow the nominal motion of the tip, so a machine whose axis runs the
-/// other way is described by its file, not by special cases here.
+/// other way is described by its file, not by special cases here. A term of whose effect less than a
+/// thousandth lies along the bar, over all samples, is not seen: its column is zero.
 class JointDesign {
  public:
   JointDesign(const Machine& machine, const std::vector<BallbarTest>& tests, std::vector<ModelTerm> terms);
@@ -41,6 +42,7 @@ class JointDesign {
   [[nodiscard]] const std::vector<BallbarTest>& tests() const { return *tests_; }
 
  private:
+  void hide_terms();
   [[nodiscard]] Vec3 radial(TestPlane plane, double angle) const;
 
   const Machine* machine_;
@@ -51,6 +53,7 @@ class JointDesign {
   std::vector<std::vector<CircleMotion>> motion_;  ///< per test and run
   std::vector<std::size_t> centres_, bars_;        ///< the first test of each
   std::vector<std::size_t> centre_, bar_;          ///< per test
+  std::vector<bool> hidden_;                       ///< per term
 };
 
 /// Indices of the machine's linear axes that take part in the tests, along the chain; empty if an axis of a

@@ -239,6 +239,39 @@ TEST(Joint, NullSpaceInWords) {
   EXPECT_FALSE(find(found, "EXX X", machine)->identifiable);
 }
 
+// A table that turns about the centre of the circle moves the ball along the path. In the rows that is zero
+// but for rounding, and with a lag for the angle between command and bar: none may be taken for a
+// measurement.
+TEST(Joint, YawOfATableIsNotSeen) {
+  const Machine machine = machine_of(kTable + kErrors);
+  const Circle xy = {{0, 1}, 100, 20}, xz = {{0, 2}, 100, 20, 360, -20, 200},
+               yz = {{1, 2}, 100, 20, 360, -20, 200};
+  Circle xy2 = xy, xz2 = xz, yz2 = yz;
+  xy2.radius = xz2.radius = yz2.radius = 150;
+  std::vector<BallbarTest> tests = measure(machine, {xy, xz, yz, xy2, xz2, yz2}, 0.1 * um);
+  const auto expect_hidden = [&] {
+    const Identification found = identify_jointly(machine, tests, {});
+    ASSERT_TRUE(found.ok());
+    const IdentifiedTerm* yaw = find(found, "ECY Y", machine);
+    ASSERT_NE(yaw, nullptr);
+    EXPECT_EQ(yaw->origin, IdentifiedTerm::Origin::assumed);
+    EXPECT_EQ(yaw->value, 0);
+    for (const IdentifiedTerm& term : found.terms)
+      EXPECT_LT(std::abs(term.value), 1) << to_string(term.term, machine);
+  };
+  expect_hidden();
+  for (BallbarTest& test : tests) {
+    for (BallbarRun& run : test.runs) {
+      const double behind = run.direction * 0.002;  // rad
+      for (const double t : run.angle) {
+        run.commanded.push_back(test.centre + test.radius * radial_direction(test.plane, t));
+        run.actual.push_back(test.centre + test.radius * radial_direction(test.plane, t - behind));
+      }
+    }
+  }
+  expect_hidden();
+}
+
 TEST(Joint, IntervalsCoverTheTruth) {
   const Machine machine = machine_of(kColumn + kErrors);
   IdentifyOptions options;
@@ -264,8 +297,6 @@ TEST(Joint, IntervalsCoverTheTruth) {
 }
 
 TEST(Joint, UnmodelledCyclicErrorIsFlagged) {
-  std::string text = kColumn + kErrors;
-  text.replace(text.find("EYX ="), 5, "EYX = 0\nEZX =");
   std::string cyclic = kColumn + kErrors;
   cyclic.replace(cyclic.find("EXX = ["), 7, "EXX = [ { sine = [0.3, 1.2566, 0.4] },");
   const Machine machine = machine_of(kColumn + kErrors), spoiled = machine_of(cyclic);

@@ -168,7 +168,8 @@ struct Profile {
     bool colon = false;                         ///< ":1234" is a program number, too
     bool program_number = true;                 ///< "O1234"
     Skip skip = Skip::plain;
-    bool names = false;  ///< words may have names: "X=10.5", "CR=5", "SUPA", "MSG(..)"; else RS274
+    bool names = false;           ///< words may have names: "X=10.5", "CR=5", "SUPA", "MSG(..)"; else RS274
+    bool conversational = false;  ///< blocks are Klartext: "12 L X+10 IZ-5 R0 FMAX M3"
   } text;
 
   /// What follows the word of a code: nothing; nothing or "()"; "(..)" or nothing; "=" and a number, "[..]"

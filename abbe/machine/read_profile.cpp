@@ -52,13 +52,15 @@ bool read_subset(const Section& section, std::string_view key, const std::vector
 }
 
 void read_text_rules(const TomlNode& root, Profile& profile, Findings& findings) {
-  const Section section(root, "text",
-                        {"block_bytes", "comments", "percent", "program_number", "block_delete", "names"},
-                        findings);
+  const Section section(
+      root, "text",
+      {"block_bytes", "comments", "percent", "program_number", "block_delete", "names", "conversational"},
+      findings);
   Profile::Text& text = profile.text;
   section.whole("block_bytes", text.block_bytes, 60, 254);
   section.flag("percent", text.percent);
   section.flag("names", text.names);
+  section.flag("conversational", text.conversational);
   section.choice("block_delete", {"none", "plain", "numbered", "ignored"}, text.skip);
   std::vector<bool> present;
   if (read_subset(section, "comments", {"()", ";"}, present, findings)) {

@@ -10,8 +10,9 @@
 namespace abbe {
 namespace {
 
-constexpr double kStands = 1e-10;  // mm, and mm at the farthest point for rotations
-constexpr double kTold = 1e-6;     // singular values below this times the largest say nothing
+constexpr std::uint64_t kReport = 256;  // points between two calls of progress
+constexpr double kStands = 1e-10;       // mm, and mm at the farthest point for rotations
+constexpr double kTold = 1e-6;          // singular values below this times the largest say nothing
 
 /// A rigid motion of the points: q' = R (q - c) + c + d.
 struct Motion {
@@ -21,13 +22,15 @@ struct Motion {
 
 class Fitter {
  public:
-  Fitter(const NearestPoint& nominal, const std::vector<TouchedPoint>& touched, double beside)
-      : nominal_(nominal), touched_(touched), beside_(beside) {
+  Fitter(const NearestPoint& nominal, const std::vector<TouchedPoint>& touched, double beside,
+         std::uint64_t total, const Progress& progress)
+      : nominal_(nominal), touched_(touched), beside_(beside), total_(total), progress_(progress) {
     for (const TouchedPoint& point : touched) centre_ += point.measured / static_cast<double>(touched.size());
     for (const TouchedPoint& point : touched) reach_ = std::max(reach_, (point.measured - centre_).norm());
   }
 
-  void judge(Inspection& out) const {
+  /// False: `progress` stops it.
+  [[nodiscard]] bool judge(Inspection& out) {
     const bool first = out.points.empty();
     out.points.resize(touched_.size());
     for (std::size_t k = 0; k < touched_.size(); ++k) {
@@ -42,8 +45,12 @@ class Fitter {
         point.linear = (point.measured - evaluate(nominal_.surface(), *touched.target).p).norm();
       const double d = point.foot.deviation;
       const double off = std::sqrt(std::max(0.0, point.foot.distance * point.foot.distance - d * d));
-      point.used = !point.foot.on_rim || off <= beside_;
+      point.used = point.foot.at.is_regular() && (!point.foot.on_rim || off <= beside_);
+      ++done_;
+      out.stopped = progress_ && done_ % kReport == 0 && !progress_(done_, total_);
+      if (out.stopped) return false;
     }
+    return true;
   }
 
   /// One step of the fit; false when it stands.
@@ -53,10 +60,13 @@ class Fitter {
     for (const InspectedPoint& point : out.points) {
       if (!point.used) continue;
       // n.d + (q - c)/r x n . (r e) = -d_i: rotations in mm at the farthest point
-      const Vec3 n = point.foot.at.normal;
+      // Beside a crease the distance grows away from the foot.
+      const SurfaceFoot& foot = point.foot;
+      const bool creased = !foot.is_normal && !foot.on_rim;
+      const Vec3 n = creased ? Vec3((point.measured - foot.at.p) / foot.deviation) : foot.at.normal;
       const Vec3 lever = (point.measured - centre_ - motion_.d).cross(n) / std::max(reach_, 1e-9);
       const std::array<double, 6> row{n.x(), n.y(), n.z(), lever.x(), lever.y(), lever.z()};
-      factor.add(std::span(row).first(static_cast<std::size_t>(unknowns)), -point.foot.deviation);
+      factor.add(std::span(row).first(static_cast<std::size_t>(unknowns)), -foot.deviation);
     }
     const LeastSquaresSolution solution = solve(factor, {kTold, false});
     if (!solution.ok()) return false;
@@ -81,6 +91,8 @@ class Fitter {
   Vec3 centre_ = Vec3::Zero();
   double reach_ = 0;
   Motion motion_;
+  std::uint64_t done_ = 0, total_ = 0;
+  const Progress& progress_;
 };
 
 }  // namespace
@@ -94,6 +106,7 @@ InspectionFigures figures_of(const std::vector<InspectedPoint>& points) {
       continue;
     }
     const double d = point.foot.deviation;
+    if (!point.foot.is_normal && !point.foot.on_rim) ++out.creased;
     out.least = out.count == 0 ? d : std::min(out.least, d);
     out.most = out.count == 0 ? d : std::max(out.most, d);
     out.linear_most = std::max(out.linear_most, point.linear);
@@ -113,15 +126,15 @@ InspectionFigures figures_of(const std::vector<InspectedPoint>& points) {
 }
 
 Inspection inspect_points(const NearestPoint& nominal, const std::vector<TouchedPoint>& points, BestFit fit,
-                          double beside) {
+                          double beside, const Progress& progress) {
   Inspection out;
-  Fitter fitter(nominal, points, beside);
-  fitter.judge(out);
+  Fitter fitter(nominal, points, beside, fit == BestFit::none ? points.size() : 0, progress);
+  if (!fitter.judge(out)) return out;
   if (fit != BestFit::none && !points.empty()) {
     out.settled = false;
     for (int k = 0; k < kMostFits && !out.settled; ++k) {
       out.settled = !fitter.step(out, fit);
-      fitter.judge(out);
+      if (!fitter.judge(out)) return out;
     }
     fitter.finish(out);
   }

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "abbe/core/progress.h"
 #include "abbe/surface/nearest.h"
 
 namespace abbe {
@@ -25,7 +26,7 @@ struct InspectedPoint {
   Vec3 measured = Vec3::Zero();  ///< after the fit
   SurfaceFoot foot;              ///< on the nominal surface
   double linear = 0;             ///< mm: distance to the target; to the foot after a fit or without target
-  bool used = true;              ///< false: beside the patch, not part of fit and figures
+  bool used = true;              ///< false: beside the patch, or no normal there; not part of fit and figures
 };
 
 /// What is said of all points used, mm.
@@ -37,8 +38,9 @@ struct InspectedPoint {
 ///     linear                   mean distance between point and target, the "total linear error"; after a fit
 ///     to the
 ///                              foot, for a fit does not tell how the surface slid within itself
+///     creased                  points used whose foot is on a crease: d is their distance, with a sign
 struct InspectionFigures {
-  std::size_t count = 0, beside = 0;
+  std::size_t count = 0, beside = 0, creased = 0;
   double mean = 0, rms = 0, least = 0, most = 0, profile = 0, range = 0;
   double linear = 0, linear_most = 0;
 };
@@ -50,6 +52,7 @@ struct Inspection {
   Vec3 turn = Vec3::Zero();   ///< rotation vector of the fit, rad
   int rank = 0;               ///< motions of the fit that the points tell; the others were left out
   bool settled = true;        ///< false: the fit still moved after kMostFits rounds
+  bool stopped = false;       ///< by `progress`: nothing else is of use
 };
 
 inline constexpr int kMostFits = 30;
@@ -64,10 +67,11 @@ inline constexpr int kMostFits = 30;
 /// until it stands.
 ///
 /// beside    points farther than this off the rim of the patch do not count, mm
+/// progress  of points; without a total while a fit goes on
 /// errors    no points: figures of zeros. Points are finite.
-/// laws      AMovedPartFitsBack, PointsOnTheSurfaceHaveNoDeviation, APlaneTellsThreeMotions
-/// cost      a nearest point per point and round
+/// laws      APoleCounts, StopsWhenAsked, AMovedPartFitsBack, PointsOnTheSurfaceHaveNoDeviation,
+/// APlaneTellsThreeMotions cost      a nearest point per point and round
 [[nodiscard]] Inspection inspect_points(const NearestPoint& nominal, const std::vector<TouchedPoint>& points,
-                                        BestFit fit, double beside = 0.1);
+                                        BestFit fit, double beside = 0.1, const Progress& progress = {});
 
 }  // namespace abbe

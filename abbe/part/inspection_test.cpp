@@ -92,5 +92,37 @@ TEST(Inspection, PointsBesideThePatchDoNotCount) {
   EXPECT_EQ(inspect_points(nominal, {}, BestFit::rigid).figures.count, 0u);
 }
 
+TEST(Inspection, APoleCounts) {
+  const NearestPoint nominal(sphere_patch(25, 0, 1.1, 1.4, false));
+  const InspectionFigures is = inspect_points(nominal, {{Vec3(0, 0, 25.05), {}}}, BestFit::none).figures;
+  EXPECT_EQ(is.count, 1u);
+  EXPECT_NEAR(is.most, 0.05, kFit);
+}
+
+TEST(Inspection, ACreasedFitComesToRest) {
+  // Both faces and a point above the ridge: moved, and found back.
+  const NearestPoint nominal(roof_patch(false));
+  std::vector<TouchedPoint> points = points_of(nominal.surface(), 8);
+  points.push_back({Vec3(0, 10, 0), {}});
+  const Vec3 moved(0.02, 0, 0.03);
+  for (TouchedPoint& point : points) point = {point.measured + moved, {}};
+  EXPECT_EQ(inspect_points(nominal, points, BestFit::none).figures.creased, 1u);
+  const Inspection is = inspect_points(nominal, points, BestFit::shift);
+  EXPECT_TRUE(is.settled);
+  EXPECT_EQ(is.rank, 2) << "nothing along the ridge";
+  EXPECT_LT((is.shift + moved).norm(), kFit);
+}
+
+TEST(Inspection, StopsWhenAsked) {
+  const NearestPoint nominal(plane_patch(80, 60));
+  const std::vector<TouchedPoint> points = points_of(nominal.surface(), 40);
+  std::uint64_t most = 0;
+  const auto go_on = [&](std::uint64_t done, std::uint64_t) { return (most = done) < 500; };
+  EXPECT_TRUE(inspect_points(nominal, points, BestFit::rigid, 0.1, go_on).stopped);
+  EXPECT_LT(most, 1000u);
+  const auto never = [](std::uint64_t, std::uint64_t) { return true; };
+  EXPECT_FALSE(inspect_points(nominal, points, BestFit::rigid, 0.1, never).stopped);
+}
+
 }  // namespace
 }  // namespace abbe

@@ -61,6 +61,33 @@ TEST(CutterDistance, DistanceIsThatOfTheNearestPoint) {
   }
 }
 
+TEST(CutterDistance, SmoothOutside) {
+  // The formula changes at the height of the roundings, at the top, and at the radius of the core.
+  constexpr double kStep = 1e-9, kNoJump = 1e-6;  // mm; slopes turn by less than 1 per 0.01 mm
+  for (int kind = 0; kind < 3; ++kind) {
+    const Cutter cutter = cutter_of(kind);
+    const double core = cutter.radius - cutter.corner;
+    for (const double worn : {0.0, 0.02}) {
+      const double bare = std::max(0.0, worn - cutter.corner);  // taken off the cylinder within
+      for (const double off : {0.01, 0.7, 3.0}) {
+        const auto is_smooth = [&](double h, double rho, double along, double across) {
+          const CutterDistance a = cutter_distance(cutter, worn, h - along * kStep, rho - across * kStep);
+          const CutterDistance b = cutter_distance(cutter, worn, h + along * kStep, rho + across * kStep);
+          EXPECT_GT(a.value, 0);
+          EXPECT_NEAR(a.along, b.along, kNoJump) << kind << ' ' << worn << ' ' << h << ' ' << rho;
+          EXPECT_NEAR(a.across, b.across, kNoJump) << kind << ' ' << worn << ' ' << h << ' ' << rho;
+        };
+        is_smooth(cutter.corner + bare, cutter.radius + off, 1, 0);
+        is_smooth(cutter.length - bare, cutter.radius + off, 1, 0);
+        if (core > bare) {
+          is_smooth(-off, core - bare, 0, 1);
+          is_smooth(cutter.length + cutter.corner + off, core - bare, 0, 1);
+        }
+      }
+    }
+  }
+}
+
 TEST(Sweep, EqualsDenseSampling) {
   Cases cases;
   int hits = 0;

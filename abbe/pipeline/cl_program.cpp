@@ -47,6 +47,7 @@ VerifyReport verify_cl_program(const Plan& plan, const ProgramJob& job, const Ve
   cl.tolerance = verify.tolerance;
   cl.max_correction = verify.max_correction;
   cl.samples = verify.samples;
+  cl.output_growth = verify.output_growth;
   return verify_cl(plan, cl, progress);
 }
 

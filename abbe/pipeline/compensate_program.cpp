@@ -3,6 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <future>
+#include <thread>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -242,6 +247,51 @@ VerifyReport verified(const Run& run, const VerifyJob& verify, const Progress& p
                     : verify_program(run.plan, verify, progress);
 }
 
+RewriteReport rewritten(const Run& run, const RewriteJob& rewrite, SpoolFile& spool,
+                        const Progress& progress) {
+  return run.job.cl ? rewrite_cl_program(run.plan, run.job, rewrite, spool, progress)
+                    : rewrite_program(run.plan, rewrite, spool, progress);
+}
+
+/// Tells the verification that nothing more will come, whatever happens.
+struct EndOfWriting {
+  FileGrowth& growth;
+  ~EndOfWriting() { growth.finish(); }
+};
+
+/// Rewrites the program into the spool file and verifies that file: at once in two threads, or in turn. Fills
+/// both reports; that of the verification only if the rewriting was completed.
+void rewrite_and_verify(Run& run, const RewriteJob& rewrite, VerifyJob& verify, SpoolFile& spool,
+                        const Progress& progress) {
+  const unsigned processors = run.job.threads != 0 ? run.job.threads : std::thread::hardware_concurrency();
+  FileGrowth growth;
+  spool.tell(growth);
+  verify.output_growth = &growth;
+  std::atomic<bool> stop = false;
+  std::atomic<std::uint64_t> done = 0, total = 0;
+  const Progress aside = [&](std::uint64_t done_now, std::uint64_t total_now) {
+    done = done_now;
+    total = total_now;
+    return !stop;
+  };
+  const auto task = [&run, &verify](const Progress& steps) { return verified(run, verify, steps); };
+  // Where no thread can be started the library defers the task, too: it then runs in get().
+  std::future<VerifyReport> verification =
+      processors > 1 ? std::async(std::launch::async | std::launch::deferred, task, std::cref(aside))
+                     : std::async(std::launch::deferred, task, std::cref(progress));
+  RewriteReport report;
+  {
+    const EndOfWriting end{growth};
+    report = rewritten(run, rewrite, spool, progress);
+  }
+  run.outcome.rewrite = std::move(report);
+  if (!run.outcome.rewrite.complete) stop = true;
+  constexpr std::chrono::milliseconds kLook{20};
+  while (run.outcome.rewrite.complete && verification.wait_for(kLook) == std::future_status::timeout)
+    if (progress && !progress(done, total)) stop = true;
+  if (run.outcome.rewrite.complete) run.outcome.verify = verification.get();
+}
+
 void finish_reports(Run& run, ProgramReport report, std::vector<Extra>& extras) {
   run.outcome.json = json_report(report);
   run.outcome.text = human_report(report);
@@ -284,8 +334,13 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
     report.rewrite = &source;
     rewrite.header = header_lines(report);
   }
-  outcome.rewrite = job.cl ? rewrite_cl_program(plan, job, rewrite, spool, progress)
-                           : rewrite_program(plan, rewrite, spool, progress);
+  VerifyJob verify = verify_job(job);
+  verify.original_path = input->path;
+  verify.original_name = input->name;
+  verify.output_path = spool.temporary_path();
+  verify.output_name =
+      job.output.empty() || job.output == "-" ? std::string("(compensated program)") : job.output;
+  rewrite_and_verify(run, rewrite, verify, spool, progress);
   run.add(outcome.rewrite.diagnostics);
   outcome.rewrite.sha256_in = input->sha256;
   report.rewrite = &outcome.rewrite;
@@ -299,13 +354,6 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   if (outcome.rewrite.stopped) return without_output(ProgramEnd::stopped);
   if (!outcome.rewrite.complete) return without_output(end_of_refusal(outcome.rewrite));
 
-  VerifyJob verify = verify_job(job);
-  verify.original_path = input->path;
-  verify.original_name = input->name;
-  verify.output_path = spool.temporary_path();
-  verify.output_name =
-      job.output.empty() || job.output == "-" ? std::string("(compensated program)") : job.output;
-  outcome.verify = verified(run, verify, progress);
   run.add(outcome.verify.diagnostics);
   report.verify = &outcome.verify;
   if (outcome.verify.stopped) return without_output(ProgramEnd::stopped);

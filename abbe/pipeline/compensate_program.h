@@ -41,6 +41,7 @@ struct ProgramJob {
   std::string version;           ///< of this program, for header and report
   std::string today;             ///< YYYY-MM-DD, to hold against [calibration] valid_to; empty: not checked
   std::uint64_t trace_line = 0;  ///< explain this line
+  unsigned threads = 0;          ///< 1: verify after rewriting; else at the same time, if there are processors
   std::optional<ClSetting> cl;   ///< the program is CL data (APT, CLSF), not G code
 };
 
@@ -56,6 +57,7 @@ struct ProgramOutcome {
 
 /// The whole way of one program: read and rewrite into a spool file, verify the spooled text with the
 /// independent reader, and only then publish the output, the report and the figure.
+/// With two threads the verification follows the rewriter through the spool file; what comes out is the same.
 /// errors   see ProgramEnd; nothing is published unless `done`, the input is never written to
 /// cost     constant memory whatever the length
 /// source   docs/architecture.md, the way of a program

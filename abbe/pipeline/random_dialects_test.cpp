@@ -184,7 +184,8 @@ class DialectWriter {
   void rotation() {
     mode(false);
     if (style_.names) {
-      text_ += fmt::format("TRANS {} Y={}\nG1 {}\nAROT RPL=30\n", word('X', 10), number(5), word('X', 20));
+      text_ += fmt::format("TRANS {} Y={}\nG1 {}\nAROT {}=30\n", word('X', 10), number(5), word('X', 20),
+                           random_.chance(0.5) ? "RPL" : "Z");
       text_ += fmt::format("G0 {} {}\nG1 {} {}\nG2 {} {}\nROT\n", word('X', 20), word('Y', 0), word('X', 60),
                            word('Y', 30), word('X', 80), word('I', 10));
       text_ += fmt::format("G0 {} {}\n", word('X', at_.x()), word('Y', at_.y()));

@@ -20,6 +20,12 @@ struct Word {
   double value = 0;
 };
 
+/// How a program spells numbers: "10.5", "+10.5", "+10,5".
+struct NumberStyle {
+  bool sign = false;   ///< also of positive numbers
+  bool comma = false;  ///< in place of the point
+};
+
 /// What a line of a program says, as byte ranges of the line: nothing is copied or changed.
 struct Block {
   static constexpr int kMaxWords = 48;
@@ -33,6 +39,14 @@ struct Block {
   std::uint16_t words_end = 0;                   ///< past the last word (or the slash): where words are added
   int count = 0;
   std::array<Word, kMaxWords> words;
+
+  // Of conversational blocks (read_klartext_block); elsewhere as they stand here.
+  /// What a block has to do with the pole CC: it sets it with I and J, or goes about it (C).
+  enum class Pole : std::uint8_t { none, set, used };
+  Pole pole = Pole::none;
+  std::uint8_t increments = 0;  ///< axes whose word is a distance (IX), bits 0 1 2 = X Y Z
+  bool continues = false;       ///< the line belongs to the block of the line before
+  NumberStyle style;            ///< of numbers that are written into the block
 
   /// "/", "/2" or nothing.
   [[nodiscard]] std::string_view slash_text() const {

@@ -107,6 +107,7 @@ class NamedLine {
 
   /// "X10.5", or what follows "X=": the number begins at or behind `at`.
   std::optional<BlockError> read_letter(char letter, std::size_t begin, std::size_t at) {
+    if (letter == 'Z' && turns_) letter = 'R';  // in G17 a turn about Z is one in the plane: RPL
     while (at < text_.size() && is_blank(text_[at])) ++at;
     if (letter == 'T' && at < text_.size() && text_[at] == '"') return read_tool_name(begin, at);
     const Decimal number = read_decimal(text_.substr(at));
@@ -172,6 +173,7 @@ class NamedLine {
                         "what it does depends on what follows it",
                         "remove it, or post without it"};
     }
+    turns_ = use.meaning == Meaning::frame_turn || use.meaning == Meaning::frame_turn_further;
     return add('G', begin, begin, last, static_cast<double>(keyword.index) / 10, 0);
   }
 
@@ -240,6 +242,7 @@ class NamedLine {
   Block& block_;
   std::string_view text_;
   std::size_t at_ = 0;
+  bool turns_ = false;  ///< behind ROT or AROT
 };
 
 }  // namespace

@@ -36,17 +36,16 @@ class Trapezoid {
   double length_, a_, v_ = 0, ramp_ = 0, duration_ = 0;
 };
 
+Trapezoid path_of(const PlannedCircle& circle) {
+  return {circle.radius * (circle.to - circle.from + 2 * circle.overshoot), circle.feed, circle.acceleration};
+}
+
 /// One run of the machine: commands and what the axes do, on a grid of time fine enough for the model.
 class Run {
  public:
   Run(const Plan& plan, const PlannedCircle& circle, const SimulationSettings& settings, int direction,
       double cycle)
-      : plan_(plan),
-        circle_(circle),
-        direction_(direction),
-        cycle_(cycle),
-        path_(circle.radius * (circle.to - circle.from + 2 * circle.overshoot), circle.feed,
-              circle.acceleration) {
+      : plan_(plan), circle_(circle), direction_(direction), cycle_(cycle), path_(path_of(circle)) {
     follow(settings.lag);
   }
 
@@ -157,6 +156,8 @@ class Noise {
 };
 
 }  // namespace
+
+double duration_of(const PlannedCircle& circle) { return path_of(circle).duration(); }
 
 SimulatedCircle simulate_circle(const Plan& plan, const PlannedCircle& circle,
                                 const SimulationSettings& settings, double cycle) {

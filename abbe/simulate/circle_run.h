@@ -46,6 +46,9 @@ struct SimulatedCircle {
   std::vector<BusRecord> bus;  ///< per run
 };
 
+/// How long one run takes from rest to rest, s.
+[[nodiscard]] double duration_of(const PlannedCircle& circle);
+
 /// A machine with all its errors (those of `plan`, any chain with linear axes named as the plane's) performs
 /// the test: runs in, goes round and runs out, with acceleration on the arc; the axes follow with their lag;
 /// the distance of the balls is that of the model at actual positions, velocities and accelerations:

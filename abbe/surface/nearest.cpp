@@ -10,6 +10,8 @@ namespace abbe {
 namespace {
 
 constexpr int kMostSteps = 40;
+constexpr double kAskew = 1e-3;  // rad between point and normal: half its square of the deviation is nothing
+constexpr double kTiny = 1e-9;   // mm
 constexpr std::size_t kStarts = 3;
 constexpr std::size_t kMostSamples = 400;  // per direction: large nets have close samples anyway
 
@@ -49,9 +51,14 @@ SurfaceFoot foot_at(SurfacePlace place, const SurfacePoint& s, const Vec3& point
   SurfaceFoot foot;
   foot.place = place;
   foot.at = s;
-  foot.deviation = (point - s.p).dot(s.normal);
-  foot.distance = (point - s.p).norm();
+  const Vec3 off = point - s.p;
+  foot.deviation = off.dot(s.normal);
+  foot.distance = off.norm();
   foot.on_rim = on_rim;
+  foot.is_normal =
+      s.is_regular() && (off - foot.deviation * s.normal).norm() <= kAskew * foot.distance + kTiny;
+  if (!foot.is_normal && !on_rim && s.is_regular())
+    foot.deviation = std::copysign(foot.distance, foot.deviation);
   return foot;
 }
 

@@ -13,6 +13,9 @@ struct SurfaceFoot {
   double deviation = 0;  ///< mm: (point - foot) . outward normal; + = material left on
   double distance = 0;   ///< mm: |point - foot|; more than |deviation| only off the rim
   bool on_rim = false;   ///< the foot lies on the border of the range
+  /// The point lies on the normal at its foot. Where it does not inside the rim, the foot is on a crease and
+  /// the deviation is the distance with the sign of that side.
+  bool is_normal = true;
 };
 
 /// Finds the nearest point of one surface for many points.
@@ -23,9 +26,12 @@ struct SurfaceFoot {
 /// second minimum: kSamples samples per knot span and direction, the best three of them tried. On the rim the
 /// foot is the best point of the border.
 ///
-/// errors   a point that is not finite gives the first sample and deviation 0
-/// laws     FootOfAPointOnTheNormalIsItsBase, NoSampleIsNearer, SphereGivesRadiusDifference
-/// cost     the samples (6 flops each) and 3 to 6 evaluations per start; immutable, shared by threads
+/// errors   a point that is not finite gives the first sample and deviation 0; so does a foot without a
+/// normal
+///          (SurfacePoint::is_regular)
+/// laws     BesideACreaseTheDeviationIsTheDistance, FootOfAPointOnTheNormalIsItsBase, NoSampleIsNearer,
+/// SphereGivesRadiusDifference cost     the samples (6 flops each) and 3 to 6 evaluations per start;
+/// immutable, shared by threads
 class NearestPoint {
  public:
   static constexpr std::size_t kSamples = 6;

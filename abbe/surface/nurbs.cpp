@@ -99,6 +99,19 @@ Weighted sum_of(const NurbsSurface& surface, const Basis& bu, const Basis& bv, s
   return sum;
 }
 
+/// What grows from nothing beside a pole: +1 at the lower end of the range, -1 at the upper one, 0 inside.
+double side_of(const std::array<double, 2>& range, double x) {
+  return x <= range[0] ? 1 : x >= range[1] ? -1 : 0;
+}
+
+/// S_u x S_v, at a pole its direction in the limit.
+Vec3 across_of(const NurbsSurface& surface, const SurfacePlace& place, const SurfacePoint& s) {
+  if (!s.is_pole()) return s.u.cross(s.v);
+  // S_v = (u - u_0) S_uv,  S_u = (v - v_0) S_uv
+  if (s.v.squaredNorm() < s.u.squaredNorm()) return side_of(surface.range(0), place.u) * s.u.cross(s.uv);
+  return side_of(surface.range(1), place.v) * s.uv.cross(s.v);
+}
+
 bool are_knots(const std::vector<double>& knots, std::size_t count, int degree) {
   const auto p = static_cast<std::size_t>(degree);
   if (knots.size() != count + p + 1) return false;
@@ -152,11 +165,12 @@ SurfacePoint evaluate(const NurbsSurface& surface, SurfacePlace place) {
   out.uu = (uu.A - 2 * u.w * out.u - uu.w * out.p) / s.w;
   out.uv = (uv.A - u.w * out.v - v.w * out.u - uv.w * out.p) / s.w;
   out.vv = (vv.A - 2 * v.w * out.v - vv.w * out.p) / s.w;
-  const Vec3 across = out.u.cross(out.v);
+  const Vec3 across = across_of(surface, place, out);
   const double length = across.norm();
   // Parallel within rounding is parallel.
-  if (length > 1e-12 * out.u.norm() * out.v.norm() && length > 0)
-    out.normal = surface.outward / length * across;
+  const double sides =
+      out.is_pole() ? std::max(out.u.norm(), out.v.norm()) * out.uv.norm() : out.u.norm() * out.v.norm();
+  if (length > 1e-12 * sides && length > 0) out.normal = surface.outward / length * across;
   return out;
 }
 

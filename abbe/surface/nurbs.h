@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <optional>
@@ -51,11 +52,21 @@ struct SurfacePoint {
   Vec3 uu = Vec3::Zero(), uv = Vec3::Zero(), vv = Vec3::Zero();
   Vec3 normal = Vec3::Zero();  ///< unit, out of the material; zero where S_u and S_v are parallel
   [[nodiscard]] bool is_regular() const { return normal != Vec3::Zero(); }
+  /// One of S_u, S_v vanishes: a row of the net lies in one place.
+  [[nodiscard]] bool is_pole() const {
+    const double a = u.squaredNorm(), b = v.squaredNorm();
+    return !(std::min(a, b) > 1e-18 * std::max(a, b));
+  }
 };
 
-/// errors   a place outside the range is taken to its border; `surface` must be valid
-/// laws     DerivativesAreDifferenceQuotients, SphereAndCylinderAreExact, AffineMapsOfThePointsMapTheSurface
-/// cost     (p + 1)(q + 1) points; 0.5 us for bicubic; no allocation
+/// At a pole on the rim the normal is the limit along the line that ends there; S_v = 0 at the end u_0 gives
+///
+///     n ~ S_u x S_uv sign(u - u_0),   for S_v = (u - u_0) S_uv + ..
+///
+/// errors   a place outside the range is taken to its border; `surface` must be valid; a pole elsewhere, or
+///          where the limit does not exist either, has no normal
+/// laws     APoleHasTheNormalBesideIt, DerivativesAreDifferenceQuotients, SphereAndCylinderAreExact,
+/// AffineMapsOfThePointsMapTheSurface cost     (p + 1)(q + 1) points; 0.5 us for bicubic; no allocation
 /// source   Piegl, Tiller: The NURBS Book (1997), A2.1, A2.3, A4.4
 [[nodiscard]] SurfacePoint evaluate(const NurbsSurface& surface, SurfacePlace place);
 

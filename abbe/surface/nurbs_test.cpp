@@ -13,6 +13,7 @@ namespace abbe {
 namespace {
 
 constexpr double kRounding = 1e-12;   // mm
+constexpr double kCrease = 1e-8;      // mm: Newton goes to a kink in halves
 constexpr double kDifference = 2e-6;  // of central differences with a step of 1e-4, relative to their size
 
 TEST(Nurbs, DerivativesAreDifferenceQuotients) {
@@ -77,6 +78,46 @@ TEST(Nurbs, AffineMapsOfThePointsMapTheSurface) {
     EXPECT_LT((R * a.p + Vec3(3, -8, 11) - b.p).norm(), 1e-11);
     EXPECT_LT((R * a.normal - b.normal).norm(), 1e-11);
     EXPECT_NEAR(curvature_at(a).most, curvature_at(b).most, 1e-10);
+  }
+}
+
+TEST(Nurbs, APoleHasTheNormalBesideIt) {
+  for (const bool hollow : {true, false}) {
+    // The pole at the lower and at the upper end of u.
+    for (const auto& [from, to, pole] : {std::array{0.0, 1.1, 0.0}, std::array{-1.1, 0.0, 1.0}}) {
+      const NurbsSurface sphere = sphere_patch(10, from, to, 1.4, hollow);
+      for (const double v : {0.0, 0.3, 1.0}) {
+        const SurfacePoint at = evaluate(sphere, {pole, v}),
+                           near = evaluate(sphere, {0.999 * pole + 5e-4, v});
+        EXPECT_TRUE(at.is_pole());
+        EXPECT_FALSE(near.is_pole());
+        ASSERT_TRUE(at.is_regular());
+        EXPECT_LT((at.normal - near.normal).norm(), 1e-3);
+        EXPECT_NEAR(std::abs(at.normal.z()), 1, kRounding);
+      }
+    }
+  }
+}
+
+TEST(Nearest, APoleIsAFoot) {
+  const NearestPoint nearest(sphere_patch(25, 0, 1.1, 1.4, false));
+  const SurfaceFoot foot = nearest({0, 0, 25.05});
+  EXPECT_NEAR(foot.deviation, 0.05, kRounding);
+  EXPECT_TRUE(foot.is_normal);
+}
+
+TEST(Nearest, BesideACreaseTheDeviationIsTheDistance) {
+  const NearestPoint ridge(roof_patch(false)), valley(roof_patch(true));
+  for (const double x : {-0.1, 0.0, 0.2}) {
+    const SurfaceFoot above = ridge({x, 7, 0.3});
+    EXPECT_NEAR(above.deviation, std::hypot(x, 0.3), kCrease);
+    EXPECT_FALSE(above.is_normal);
+    EXPECT_FALSE(above.on_rim);
+    const SurfaceFoot below = valley({x, 7, -0.3});
+    EXPECT_NEAR(below.deviation, -std::hypot(x, 0.3), kCrease);
+    // On the other side a face is nearer than the crease.
+    EXPECT_NEAR(ridge({x, 7, -0.3}).deviation, -(0.3 - std::abs(x)) / std::sqrt(2.0), kRounding);
+    EXPECT_TRUE(ridge({x, 7, -0.3}).is_normal);
   }
 }
 

@@ -71,6 +71,19 @@ inline NurbsSurface sphere_patch(double r, double from, double to, double turn, 
   return sphere;
 }
 
+/// A roof of two slopes of 45 degrees, ridge up along y at x = 0; valley: upside down.
+inline NurbsSurface roof_patch(bool valley) {
+  NurbsSurface roof;
+  roof.degree = {1, 1};
+  roof.count = {3, 2};
+  roof.knots = {std::vector<double>{0, 0, 1, 2, 2}, uniform_knots(2, 1)};
+  const double side = valley ? 10 : -10;
+  for (const Vec3& p : {Vec3(-10, 0, side), Vec3(0, 0, 0), Vec3(10, 0, side)})
+    for (const double y : {0.0, 20.0}) roof.points.push_back(p + Vec3(0, y, 0));
+  roof.weights.assign(6, 1.0);
+  return roof;
+}
+
 /// A wavy bicubic patch, x and y from 0 to 60, some mm high, the material below; every patch of a seed is
 /// another.
 inline NurbsSurface wavy_patch(unsigned seed) {

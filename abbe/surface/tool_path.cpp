@@ -88,6 +88,7 @@ class Planner {
     const SurfacePoint s = evaluate(surface_, where);
     ToolContact out{where, s.p, s.normal, s.p + job_.radius * (s.normal - Vec3::UnitZ())};
     const double bend = curvature_at(s).most;
+    if (s.is_pole() || !s.is_regular()) fail(ToolPathFault::Kind::pole, s, 0, where);
     if (!(s.normal.z() > kSteep)) fail(ToolPathFault::Kind::undercut, s, s.normal.z(), where);
     if (bend * job_.radius >= 1) fail(ToolPathFault::Kind::curvature, s, 1 / bend, where);
     if (fault_) return out;
@@ -285,6 +286,8 @@ std::string to_text(const ToolPathFault& fault) {
   switch (fault.kind) {
     case ToolPathFault::Kind::curvature:
       return fmt::format("the surface is hollow with a radius of {:.3f} mm {}", fault.value, at);
+    case ToolPathFault::Kind::pole:
+      return fmt::format("the lines of the surface meet in one point, a pole, {}", at);
     case ToolPathFault::Kind::undercut:
       return fmt::format("a tool along z cannot touch the surface {} (n.z = {:.3f})", at, fault.value);
     case ToolPathFault::Kind::gouge:

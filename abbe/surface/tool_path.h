@@ -47,6 +47,7 @@ struct ToolPath {
 struct ToolPathFault {
   enum class Kind {
     curvature,  ///< a hollow narrower than the ball: value = its radius, mm
+    pole,       ///< the lines of one parameter meet here: passes would have no width
     undercut,   ///< a tool along z cannot touch this: value = slope of the normal, n.z
     gouge,      ///< the ball cuts another part of the surface, or a crease on its way: value = how deep, mm
     endless,    ///< more passes than kMostPasses, or more points than kMostPoints
@@ -71,7 +72,8 @@ inline constexpr std::size_t kMostPasses = 20000, kMostPathPoints = 2000000;
 /// wanted value (fixed point, 1e-13), straight between them. The last pass is the rim; what is then nearer
 /// than wanted stays so.
 ///
-/// errors   ToolPathFault: the hollow is checked at every contact, the rest of the surface by its nearest
+/// errors   ToolPathFault: poles and the hollow is checked at every contact, the rest of the surface by its
+/// nearest
 ///          point, a crease between two points at the middle of their chord
 /// laws     CurvatureDecidesTheStep, FlatStepIsTheFormula, ChordsKeepTheTolerance, NoPointGouges,
 ///          ACreaseIsNotCutOff; the scallop: Analytic.APerfectMachineLeavesTheScallopAndNothingElse

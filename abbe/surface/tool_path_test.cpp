@@ -117,6 +117,10 @@ TEST(ToolPath, FaultsAreNamed) {
             static_cast<int>(ToolPathFault::Kind::curvature));
   EXPECT_EQ(kind_of(cylinder_patch(20, 1.58, 10, false), job),
             static_cast<int>(ToolPathFault::Kind::undercut));
+  EXPECT_EQ(kind_of(sphere_patch(20, 0, 0.8, 1.4, true), job), static_cast<int>(ToolPathFault::Kind::pole));
+  job.along_v = false;
+  EXPECT_EQ(kind_of(sphere_patch(20, 0, 0.8, 1.4, true), job), static_cast<int>(ToolPathFault::Kind::pole));
+  job.along_v = true;
   job.scallop = 1e-10;
   EXPECT_EQ(kind_of(plane_patch(20, 10), job), static_cast<int>(ToolPathFault::Kind::endless));
   // Wide enough everywhere by curvature, but the groove's other wall is nearer than the ball.

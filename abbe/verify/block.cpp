@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "abbe/core/number.h"
+#include "abbe/verify/klartext_words.h"
 #include "abbe/verify/named_words.h"
 #include "abbe/verify/word_taker.h"
 
@@ -205,7 +206,7 @@ bool read_rules(std::string_view line, const Profile& profile, Block& block, Fau
 }  // namespace
 
 bool read_block(std::string_view line, const Profile& profile, Block& block, Fault& fault,
-                std::span<const TcpCode> tcp_codes) {
+                std::span<const TcpCode> tcp_codes, Continued continued) {
   block.words = 0;
   block.g_groups = 0;
   block.m_groups = block.m_after = 0;
@@ -214,6 +215,10 @@ bool read_block(std::string_view line, const Profile& profile, Block& block, Fau
   block.tcp_code = -1;
   block.deletable = false;
   block.comment_count = 0;
+  block.increments = 0;
+  block.pole = Block::Pole::none;
+  if (profile.text.conversational)
+    return read_klartext_words(line, profile, continued, block, fault, tcp_codes);
   if (profile.text.names) return read_named_words(line, profile, block, fault, tcp_codes);
   if (line.size() > kMaxBlockLength)
     return refuse(fault, kMaxBlockLength + 1, 1, "E-LINELEN",

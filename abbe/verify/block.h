@@ -33,6 +33,13 @@ constexpr Letters letters(Char... letter) {
   return (letter_bit(letter) | ...);
 }
 
+/// What the lines before leave open in a conversational program: a block ends with the first line without
+/// '~'.
+struct Continued {
+  bool open = false;
+  bool preset = false;  ///< the block is CYCL DEF 247
+};
+
 /// The words of one block, before any meaning. Arrays are valid only where a bit says so, so that
 /// clearing a block costs four stores.
 struct Block {
@@ -68,9 +75,12 @@ struct Block {
   Letters pointless = 0;  ///< words whose number has no point, where that matters
   int tcp_code = -1;      ///< 10 times the number of a code that switches tool centre point control
   char tcp_letter = 'G';
-  bool tcp = false;            ///< on or off
-  bool deletable = false;      ///< starts with '/'
-  std::string_view tool_name;  ///< T="..", without quotes; the T word is then 0
+  bool tcp = false;              ///< on or off
+  bool deletable = false;        ///< starts with '/'
+  std::string_view tool_name;    ///< T="..", without quotes; the T word is then 0
+  std::uint32_t increments = 0;  ///< axes whose word is a distance by itself (IX), bits 0 1 2 = X Y Z
+  enum class Pole : std::uint8_t { none, set, used };
+  Pole pole = Pole::none;  ///< CC X Y: sets the centre of the arcs that follow; C: goes about it
   int comment_count = 0;
   std::array<std::string_view, kMaxComments> comments;  ///< with their delimiters
 
@@ -95,6 +105,6 @@ struct Block {
 /// cost     about 10 ns per word, no allocation unless refused
 /// `tcp_codes`: codes of this control that switch tool centre point control.
 [[nodiscard]] bool read_block(std::string_view line, const Profile& profile, Block& block, Fault& fault,
-                              std::span<const TcpCode> tcp_codes = {});
+                              std::span<const TcpCode> tcp_codes = {}, Continued continued = {});
 
 }  // namespace abbe::verifying

@@ -106,8 +106,17 @@ bool Control::execute(const Block& block, Fault& fault) {
   moves_ = false;
   motion_code_ = -1;
   covets_ = false;
+  if (block.pole == Block::Pole::set) return set_pole();
   if (block.pointless != 0 && !settle_numbers()) return false;
   return execute_settled();
+}
+
+/// CC X Y: where the arcs that follow have their centre. Nothing else happens.
+bool Control::set_pole() {
+  pole_ = std::array{length_word('X') + frames_.g92.x(), length_word('Y') + frames_.g92.y()};
+  for (int i = 0; i < block_->comment_count; ++i)
+    add(EventKind::comment, 0).text = block_->comments[static_cast<std::size_t>(i)];
+  return true;
 }
 
 /// What executing a block means once its numbers are in units.
@@ -315,6 +324,7 @@ bool Control::modes() {
       return refuse(b.g_column[12], "E-FRAME", "another work offset while a shift of the program is in force",
                     "it is not defined whether the shift stays", "end the shift first");
     const Vec3 zero = zero_of(frames_);
+    pole_.reset();  // whether it moves with the frame is not sure
     frames_.active = index;
     u_ = program_of(frames_, m_);
     move_zero(zero);
@@ -496,11 +506,15 @@ bool Control::set_g92(int code) {
         if ((named >> i & 1) != 0) frames_.g92[i] = u_.at[i] - length_word(static_cast<char>('X' + i));
       saved_g92_ = frames_.g92;
       break;
-    case 520:
+    case 520: {
+      const Vec3 zero = zero_of(frames_);
       for (int i = 0; i < 3; ++i)
         if ((named >> i & 1) != 0) frames_.g92[i] = length_word(static_cast<char>('X' + i));
       saved_g92_ = frames_.g92;
+      pole_.reset();
+      move_zero(zero);
       break;
+    }
     case 921:
       frames_.g92 = Vec3::Zero();
       saved_g92_.reset();
@@ -526,7 +540,7 @@ void Control::go_home(int code) {
   motion_.kind = MotionKind::home;
   motion_.code = code;
   motion_.machine_words = false;
-  motion_.incremental = incremental_;
+  motion_.incremental = incremental_ || block_->increments != 0;
   motion_.named = named_axes(*block_);
   for (int i = 0; i < 3; ++i)
     motion_.words[i] = (motion_.named >> i & 1) != 0 ? length_word(static_cast<char>('X' + i)) : 0;

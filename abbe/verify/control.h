@@ -39,11 +39,11 @@ class Control {
     const auto coordinate = [&](int i, char letter) {
       if (!block.has(letter)) return u.at[i];
       const double word = block[letter] * unit_;
-      if (!incremental_) return word + frames_.g92[i];
+      if (!incremental_ && (block.increments >> i & 1) == 0) return word + frames_.g92[i];
       return (u.known >> i & 1) != 0 ? u.at[i] + word : u.at[i];
     };
     return {Vec3(coordinate(0, 'X'), coordinate(1, 'Y'), coordinate(2, 'Z')),
-            incremental_ ? u.known : u.known | named_axes(block)};
+            incremental_ ? u.known : u.known | (named_axes(block) & ~block.increments)};
   }
   [[nodiscard]] const Position& position() const { return u_; }  ///< u
 
@@ -131,6 +131,8 @@ class Control {
   double unit_ = 1;       ///< mm per program unit
   int plane_ = 170, feed_mode_ = 940, mode_ = 800;
   double feed_ = 0;
+  bool set_pole();
+  std::optional<std::array<double, 2>> pole_;                                   ///< of CC, in u
   bool incremental_ = false, absolute_centres_ = false, retracts_to_r_ = true;  // G99: so LinuxCNC starts
   std::optional<Vec3> saved_g92_;
   std::optional<double> cycle_r_, cycle_z_, cycle_p_, cycle_q_;

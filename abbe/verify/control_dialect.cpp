@@ -159,10 +159,11 @@ void Control::move_zero(const Vec3& before) {
 bool Control::increments_sure() {
   if (profile_.offsets.increments_sure) return true;
   const Axes named = named_axes(*block_);
-  if (incremental_ && (named & moved_zeros_) != 0)
+  const Axes distances = incremental_ ? named : named & block_->increments;
+  if ((distances & moved_zeros_) != 0)
     return refuse(1, "E-POS", "an increment behind a shift of the zero of its axis",
                   "the control may catch up with the shift", "command the axis absolutely first");
-  moved_zeros_ &= ~named;
+  moved_zeros_ &= ~(named & ~distances);
   return true;
 }
 

@@ -47,7 +47,7 @@ void Control::begin_motion(MotionKind kind) {
   motion_.kind = kind;
   motion_.code = motion_code_;
   motion_.machine_words = false;
-  motion_.incremental = incremental_;
+  motion_.incremental = incremental_ || block_->increments != 0;
   motion_.named = named_axes(*block_);
   for (int i = 0; i < 3; ++i)
     motion_.words[i] = (motion_.named >> i & 1) != 0 ? length_word(axis_letter(i)) : 0;
@@ -180,6 +180,14 @@ bool Control::arc() {
 
 /// Sets the coordinates a and b of the centre, in u.
 bool Control::arc_centre(const Vec3& start, const Vec3& end, int a, int b, Vec3& centre) {
+  if (block_->pole == Block::Pole::used) {
+    if (!pole_)
+      return refuse(1, "E-ARC", "C without a pole CC in the frame in force", "its centre is not defined",
+                    "write CC X.. Y.. before it");
+    centre[0] = (*pole_)[0];
+    centre[1] = (*pole_)[1];
+    return true;
+  }
   const int c = 3 - a - b;
   const bool by_radius = block_->has('R');
   const bool has_a = block_->has(centre_letter(a)), has_b = block_->has(centre_letter(b));

@@ -124,6 +124,7 @@ class NamedScanner : public WordTaker {
       at_ = close + 1;
       return value_word('T', 0, begin + 1, false);
     }
+    if (behind_turn_ && letter == 'Z') letter = 'R';  // ROT Z90 in G17: as ROT RPL=90
     const Decimal number = read_decimal(rest());
     if (number.length == 0) return not_literal(begin, at_);
     at_ += number.length;
@@ -172,6 +173,8 @@ class NamedScanner : public WordTaker {
       return refuse(fault_, begin + 1, word.name.size(), "E-GCODE",
                     fmt::format("{} with something behind it that is not known", word.name),
                     "it may move the machine", "post the program without it");
+    const Meaning meaning = profile_.g[word.index].meaning;
+    behind_turn_ = meaning == Meaning::frame_turn || meaning == Meaning::frame_turn_further;
     return keyword(word, line_.substr(begin, at_ - begin), begin + 1);
   }
 
@@ -190,6 +193,8 @@ class NamedScanner : public WordTaker {
     }
     return std::string_view::npos;
   }
+
+  bool behind_turn_ = false;
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 
 #include "abbe/verify/block.h"
 #include "abbe/verify/control.h"
+#include "abbe/verify/klartext_words.h"
 
 namespace abbe::verifying {
 namespace {
@@ -38,10 +39,10 @@ struct Call {
 };
 
 /// Empty if the number does not stand at the start of exactly one line.
-Call lines_of_subprogram(const std::string& path, int number) {
+Call lines_of_subprogram(const std::string& path, FileGrowth* growth, int number) {
   constexpr std::size_t most = 200000;
   Call call;
-  auto opened = LineReader::open(path, false);
+  auto opened = LineReader::open(path, false, growth);
   if (std::holds_alternative<FileError>(opened)) return call;
   auto& lines = std::get<LineReader>(opened);
   bool taking = false, in_program = false;
@@ -129,12 +130,33 @@ struct ProgramReader::State {
     }
     constexpr std::size_t deepest = 4;
     if (calls.size() == deepest) return refuse_flow("too many subprograms inside each other");
-    Call call = lines_of_subprogram(path, flow);
+    Call call = lines_of_subprogram(path, options.growth, flow);
     if (call.lines.empty()) return refuse_flow("a subprogram that is not in this file once");
     calls.push_back(std::move(call));
     text = calls.back().lines.front();
     report(EventKind::comment);
     single.text = text;
+  }
+
+  /// Block numbers grow from block to block; they are no part of what the line says. False: refused.
+  bool count_block() {
+    if (continued[row].open) return true;
+    long number = -1;
+    const std::string_view words = behind_block_number(text, number);
+    if (in_tail) text = words;
+    if (number < 0) return true;
+    if (number > last_number) {
+      last_number = number;
+      return true;
+    }
+    fault = {"E-BLOCK",
+             1,
+             1,
+             "the number of the block is not above that of the block before",
+             "the control refuses such a program",
+             "let the control number it anew"};
+    refuse();
+    return false;
   }
 
   /// The next line of the running subprogram.
@@ -156,6 +178,7 @@ struct ProgramReader::State {
     if (++row == rows && !read_rows()) return;
     text = texts[row];
     deletable = false;
+    if (conversational && !count_block()) return;
     if (in_tail) {
       for (const auto& [first, end] : ran)
         if (line() >= first && line() < end) return;  // it ran, and was looked at then
@@ -205,7 +228,12 @@ struct ProgramReader::State {
     }
     for (std::size_t i = 0; i < rows; ++i) {
       texts[i] = without_eol(texts[i]);
-      readable[i] = !in_tail && read_block(texts[i], control.profile(), blocks[i], fault, tcp_codes());
+      if (conversational) {
+        continued[i] = open;
+        open = continued_after(texts[i], open);
+      }
+      readable[i] =
+          !in_tail && read_block(texts[i], control.profile(), blocks[i], fault, tcp_codes(), continued[i]);
     }
     if (options.looks_ahead) look_ahead();
     return true;
@@ -240,10 +268,11 @@ struct ProgramReader::State {
     const bool numbered = first_block && names && program_number(first, words);
     // The words start elsewhere behind a program number or a tape leader.
     const Block& block = blocks[row];
-    const bool understood = (words.data() == texts[row].data() && readable[row]) ||
-                            read_block(words, control.profile(), blocks[row], fault, tcp_codes());
-    const bool says_something = block.words != 0 || block.g_groups != 0 || block.m_groups != 0 ||
-                                block.extra_count != 0 || block.tcp_code >= 0;
+    const bool understood =
+        (words.data() == texts[row].data() && readable[row]) ||
+        read_block(words, control.profile(), blocks[row], fault, tcp_codes(), continued[row]);
+    const bool says_something = block.words != 0 || block.pole != Block::Pole::none || block.g_groups != 0 ||
+                                block.m_groups != 0 || block.extra_count != 0 || block.tcp_code >= 0;
     if (numbered && says_something) {
       fault = {"E-OWORD",
                first + 1,
@@ -257,8 +286,9 @@ struct ProgramReader::State {
       fault.column += text.size() - words.size();
       return refuse();
     }
+    // conversational programs have their header behind BEGIN PGM
+    if (says_something && !(conversational && first_block)) at_top = false;
     if (says_something || numbered) first_block = false;
-    if (says_something) at_top = false;
     if (!control.execute(block, fault)) return refuse();
     has_block = true;
     motion_given = false;
@@ -331,6 +361,10 @@ struct ProgramReader::State {
   std::array<Vec3, kRows> places;
   std::size_t place_count = 0;
   std::string_view text;  ///< of the current line
+  bool conversational = control.profile().text.conversational;
+  std::array<Continued, kRows> continued{};  ///< what was open before each of these lines
+  Continued open;                            ///< behind the last one
+  long last_number = -1;                     ///< of a block
 
   Event single;  ///< what the current line says besides its block
   bool has_single = false;
@@ -361,7 +395,7 @@ ProgramReader& ProgramReader::operator=(ProgramReader&&) noexcept = default;
 
 FileResult<ProgramReader> ProgramReader::open(const std::string& path, const std::string& name,
                                               const ControlSetup& setup, const Options& options) {
-  auto lines = LineReader::open(path, options.hashed);
+  auto lines = LineReader::open(path, options.hashed, options.growth);
   if (auto* error = std::get_if<FileError>(&lines)) return std::move(*error);
   return ProgramReader(
       std::make_unique<State>(std::move(std::get<LineReader>(lines)), path, name, setup, options));

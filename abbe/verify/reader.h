@@ -28,6 +28,7 @@ class ProgramReader {
     bool report_skipped = false;     ///< ... but come as events, with their text
     const Rotary* rotary = nullptr;  ///< kept by the caller; null: rotary words are refused
     bool looks_ahead = false;        ///< ahead() will be asked for
+    FileGrowth* growth = nullptr;    ///< of a file that is still being written
   };
   [[nodiscard]] static FileResult<ProgramReader> open(const std::string& path, const std::string& name,
                                                       const ControlSetup& setup, const Options& options);

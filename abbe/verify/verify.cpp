@@ -42,6 +42,7 @@ void run_pass(TipModel model, const VerifyJob& job, Pass& pass, VerifyReport& re
   auto original = ProgramReader::open(job.original_path, job.original_name, job.setup, pass.options);
   ProgramReader::Options output_options = pass.options;
   output_options.looks_ahead = true;
+  output_options.growth = job.output_growth;
   auto output = ProgramReader::open(job.output_path, job.output_name, job.setup, output_options);
   if (const auto* error = std::get_if<FileError>(&original))
     report.diagnostics.push_back(unreadable(job.original_name, *error));

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "abbe/chain/plan.h"
+#include "abbe/core/file_growth.h"
 #include "abbe/core/progress.h"
 #include "abbe/core/units.h"
 #include "abbe/core/verify_report.h"
@@ -20,10 +21,11 @@ struct VerifyJob {
   std::string original_name, output_name;  ///< what diagnostics call them
   ControlSetup setup;
   DatumRule datum = DatumRule::probed;
-  bool reversal = false;             ///< direction-dependent errors by direction, not by their mean
-  double tolerance = 1 * um;         ///< mm: interpolation and solution
-  double max_correction = 500 * um;  ///< mm: a commanded point may not move farther than this
-  std::size_t samples = 0;           ///< points to keep for figures, spread over the path; 0 = none
+  bool reversal = false;                ///< direction-dependent errors by direction, not by their mean
+  double tolerance = 1 * um;            ///< mm: interpolation and solution
+  double max_correction = 500 * um;     ///< mm: a commanded point may not move farther than this
+  std::size_t samples = 0;              ///< points to keep for figures, spread over the path; 0 = none
+  FileGrowth* output_growth = nullptr;  ///< of an output that is still being written
 };
 
 /// Reads both programs with a reader that shares only number parsing with the rewriter, pushes the

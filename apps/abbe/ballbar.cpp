@@ -69,6 +69,13 @@ std::string cause_text(const DiagnosisTerm& term) {
   return fmt::format("{}{}{}", to_string(term.kind), term.axis.empty() ? "" : " ", term.axis);
 }
 
+std::string_view judgement(const Diagnosis& d) {
+  constexpr double kPicometre = 1e-9;  // mm: rounding
+  if (d.spare < kFewestSpare) return "too few samples to judge it";
+  if (d.residuals.largest < kPicometre) return "the causes explain everything";
+  return d.residuals.white ? "noise" : "not only noise: some cause is not in this list";
+}
+
 std::string diagnosis_text(const Diagnosis& d) {
   if (!d.solved) return "\nthe numbers are too large for a diagnosis\n";
   std::string text =
@@ -88,7 +95,7 @@ std::string diagnosis_text(const Diagnosis& d) {
   if (d.spike_time) text += fmt::format("  reversal spikes decay in {:.1f} ms\n", *d.spike_time * 1e3);
   text += fmt::format("  unexplained: rms {:.3f} um, largest {:.3f} um; neighbours {:+.2f}, tau {:.1f}: {}\n",
                       d.residuals.rms / um, d.residuals.largest / um, d.residuals.lag_one, d.residuals.tau,
-                      d.residuals.white ? "noise" : "not only noise: some cause is not in this list");
+                      judgement(d));
   return text;
 }
 

@@ -5,6 +5,37 @@
 #include "common.h"
 
 namespace abbe::app {
+namespace {
+
+/// A run of `a` is one of `b` to the last digit: measured once, given twice.
+bool share_a_run(const BallbarTest& a, const BallbarTest& b) {
+  if (!(a.plane == b.plane) || a.radius != b.radius || a.feed != b.feed) return false;
+  for (const BallbarRun& run : a.runs)
+    for (const BallbarRun& other : b.runs)
+      if (run.direction == other.direction && run.angle == other.angle && run.deviation == other.deviation)
+        return true;
+  return false;
+}
+
+/// False after telling which files hold the same readings.
+bool are_different(const std::vector<BallbarTest>& tests, Session& session) {
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (!share_a_run(tests[i], tests[k])) continue;
+      Diagnostic twice;
+      twice.code = "E-BALLBAR";
+      twice.place.file = tests[i].file;
+      twice.message = "the readings of " + tests[k].file + " again";
+      twice.why = "counted twice they would make every uncertainty smaller than it is";
+      twice.fix = "name each measurement once";
+      session.report(twice);
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
 
 void add_ballbar_options(CLI::App& verb, BallbarArguments& arguments) {
   verb.add_option("--plane", arguments.plane,
@@ -47,7 +78,7 @@ std::optional<std::vector<BallbarTest>> load_ballbars(const BallbarArguments& ar
   std::vector<BallbarTest> tests;
   for (const std::string& file : arguments.files)
     if (auto test = load_ballbar(file, *defaults, session)) tests.push_back(std::move(*test));
-  if (tests.size() != arguments.files.size()) return std::nullopt;
+  if (tests.size() != arguments.files.size() || !are_different(tests, session)) return std::nullopt;
   return tests;
 }
 

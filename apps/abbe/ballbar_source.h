@@ -27,7 +27,8 @@ void add_ballbar_options(CLI::App& verb, BallbarArguments& arguments);
 [[nodiscard]] std::optional<BallbarTest> load_ballbar(const std::string& file,
                                                       const BallbarDefaults& defaults, Session& session);
 
-/// All files; nullopt if one of them cannot be used (the others are reported too).
+/// All files; nullopt if one of them cannot be used (the others are reported too), or if two hold the same
+/// readings.
 [[nodiscard]] std::optional<std::vector<BallbarTest>> load_ballbars(const BallbarArguments& arguments,
                                                                     Session& session);
 

@@ -96,11 +96,10 @@ void report_survey(const CaptureSurvey& survey, const std::string& file, Session
     if (!survey.faults.empty())
       first = fmt::format("; the first is packet {}: {}", survey.faults.front().number,
                           survey.faults.front().fault);
-    session.report(
-        finding(Severity::warning, "W-CAPTURE-BAD", file,
-                fmt::format("{} EtherCAT frames whose lengths do not fit{}", survey.bad, first),
-                "their process data is not used",
-                survey.cut > 0 ? "the recorder cut packets: record with a snap length of 65535" : ""));
+    session.report(finding(
+        Severity::warning, "W-CAPTURE-BAD", file,
+        fmt::format("{} EtherCAT frames are damaged{}", survey.bad, first), "their process data is not used",
+        survey.cut > 0 ? "the recorder cut packets: record with a snap length of 65535" : ""));
   }
 }
 
@@ -221,7 +220,8 @@ void report_rows(const DecodeReport& r, const CaptureArguments& arguments,
     warn("W-CAPTURE-SHORT",
          fmt::format("{} cycles left out because a frame of them is missing, {} because they have no time",
                      r.incomplete_rows, r.untimed_rows),
-         "a row needs all its signals of one moment");
+         "a row needs all its signals of one moment",
+         r.rows == 0 ? "choose signals that go together with --columns; see --summary" : "");
   if (r.gap_count > 0) {
     const Gap& g = r.gaps.front();
     warn("W-CAPTURE-GAP",
@@ -284,8 +284,7 @@ void capture(const CaptureArguments& arguments, Session& session) {
   report_survey(survey, arguments.file, session);
   if (arguments.summary) {
     Diagnostics ignored;
-    const ProcessMap map =
-        named(given->layout ? *given->layout : map_of(survey.slaves, ignored), given->axes);
+    const ProcessMap map = named(given->layout ? *given->layout : learned_map(survey, ignored), given->axes);
     session.out.write(arguments.json ? summary_json(survey, map) : summary_text(survey, map));
     return;
   }

@@ -112,11 +112,17 @@ std::optional<GivenMap> load_map(const MapArguments& arguments, Session& session
   return given;
 }
 
+ProcessMap learned_map(const CaptureSurvey& survey, Diagnostics& findings) {
+  ProcessMap learned = map_of(survey.slaves, findings);
+  learned.origin = kLearned;
+  return learned;
+}
+
 std::optional<ProcessMap> map_for(const GivenMap& given, const CaptureSurvey& survey, const std::string& file,
                                   Session& session) {
   if (given.layout) return named(*given.layout, given.axes);
   Diagnostics findings;
-  ProcessMap learned = map_of(survey.slaves, findings);
+  ProcessMap learned = learned_map(survey, findings);
   for (Diagnostic& d : findings) d.place.file = file;
   session.report(findings);
   if (learned.objects.empty()) {
@@ -127,7 +133,6 @@ std::optional<ProcessMap> map_for(const GivenMap& given, const CaptureSurvey& su
     session.report(no_map(file, "the start-up traffic contradicts itself: " + *mistake));
     return std::nullopt;
   }
-  learned.origin = kLearned;
   return named(std::move(learned), given.axes);
 }
 

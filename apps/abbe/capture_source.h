@@ -28,6 +28,9 @@ struct GivenMap {
 };
 [[nodiscard]] std::optional<GivenMap> load_map(const MapArguments& arguments, Session& session);
 
+/// What the start-up traffic says; empty where none was recorded.
+[[nodiscard]] ProcessMap learned_map(const CaptureSurvey& survey, Diagnostics& findings);
+
 /// The given layout, else the one the capture's start-up traffic says, with names and units. nullopt after
 /// E-CAPTURE-MAP.
 [[nodiscard]] std::optional<ProcessMap> map_for(const GivenMap& given, const CaptureSurvey& survey,

@@ -14,6 +14,7 @@
 #include "gear_machine.h"
 #include "gear_report.h"
 #include "output_file.h"
+#include "progress.h"
 #include "text.h"
 
 namespace abbe::app {
@@ -141,13 +142,16 @@ std::string text_of(const CorrectAnswer& answer) {
   for (std::size_t i = 0; i < before.size(); ++i)
     text += fmt::format("{:<13}{:>10}{:>12}\n", before[i].name, um_text(before[i].value),
                         um_text(after[i].value));
-  if (!answer.by_poses)
+  const std::string& cut_with = answer.arguments.cut_with;
+  if (!answer.by_poses && cut_with != "flank")
     text +=
         "an axis, or its travel, is missing for the corrected poses: the axes leave the least they can on "
         "the flanks\n";
-  text += answer.arguments.cut_with == "none"
+  text += cut_with == "none"
               ? "send what is corrected without compensation: machine errors are in what was measured\n"
-              : "send what is corrected with the compensation that the measured gear was cut with\n";
+          : cut_with == "pose"
+              ? "send what is corrected with the compensation that the measured gear was cut with\n"
+              : "send what is corrected as it is: the correction of the flanks for machine errors is in it\n";
   return text;
 }
 
@@ -198,13 +202,20 @@ bool is_usable(const PoseEstimate& estimate, const std::string& file, Session& s
   return false;
 }
 
-/// The gear of the machine file with these commands; nullopt: not computed.
+/// The machine of the file, or without its errors, with these commands; nullopt: not computed, or stopped.
+std::optional<MachineCut> cut_with(const GearOnMachine& loaded, const Machine& machine,
+                                   const CutOptions& options) {
+  ProgressBar bar("gear correct", true, "M gaps");
+  auto cut =
+      cut_on_machine(machine, loaded.gear.job, loaded.gear.wheel, loaded.motion, options, bar.callback());
+  if (!std::holds_alternative<MachineCut>(cut) || std::get<MachineCut>(cut).stopped) return std::nullopt;
+  return std::get<MachineCut>(std::move(cut));
+}
+
 std::optional<GearFigures> figures_with(const GearOnMachine& loaded, const GearInspection& inspection,
                                         const CutOptions& options) {
-  const auto cut =
-      cut_on_machine(loaded.setting.machine, loaded.gear.job, loaded.gear.wheel, loaded.motion, options);
-  if (!std::holds_alternative<MachineCut>(cut)) return std::nullopt;
-  return inspection.figures(std::get<MachineCut>(cut).deviations);
+  const auto cut = cut_with(loaded, loaded.setting.machine, options);
+  return cut ? std::optional(inspection.figures(cut->deviations)) : std::nullopt;
 }
 
 /// Axis commands for the corrected poses; nullopt: an axis is missing, or travels end.
@@ -216,17 +227,35 @@ std::optional<std::vector<AxisCommands>> commands_by_poses(const GearOnMachine& 
   return std::nullopt;
 }
 
-/// Axis commands that leave the least of these deviations on the flanks.
-std::vector<AxisCommands> commands_by_axes(const GearOnMachine& loaded, const WheelDeviations& known,
-                                           AxisSet free) {
-  Machine ideal = loaded.setting.machine;
-  ideal.errors.clear();
-  CutOptions options;
+/// Axis commands that leave the least of these deviations on the flanks; with those of the machine file where
+/// the measured gear was cut so, and nothing is corrected by errors nobody measured.
+std::optional<std::vector<AxisCommands>> commands_by_axes(const GearOnMachine& loaded,
+                                                          const WheelDeviations& known, CutOptions options,
+                                                          Session& session) {
+  Machine machine = loaded.setting.machine;
+  const bool with_errors = options.correction == CutCorrection::flank;
+  if (!with_errors) machine.errors.clear();
   options.correction = CutCorrection::flank;
-  options.free = free;
   options.known = &known;
-  auto cut = cut_on_machine(ideal, loaded.gear.job, loaded.gear.wheel, loaded.motion, options);
-  return std::move(std::get<MachineCut>(cut).commands);  // without errors no sensor is missing
+  auto cut = cut_with(loaded, machine, options);
+  if (!cut || (cut->outside && !with_errors)) return std::nullopt;
+  if (cut->outside) {
+    report_outside(machine.files.front(), session);
+    return std::nullopt;
+  }
+  return std::move(cut->commands);
+}
+
+/// False after reporting why there can be no CL data.
+bool poses_can_be_written(const GearCorrectArguments& arguments, bool by_poses, Session& session) {
+  if (arguments.output.empty() || by_poses) return true;
+  session.report(
+      option_error("--output",
+                   arguments.cut_with == "flank"
+                       ? "what is corrected for the flanks are axis commands, not poses"
+                       : "this machine lacks an axis, or the travel, that the corrected poses need",
+                   "--motions: the axis commands that leave the least on the flanks"));
+  return false;
 }
 
 void run_gear_correct(const GearCorrectArguments& arguments, Session& session) {
@@ -253,19 +282,17 @@ void run_gear_correct(const GearCorrectArguments& arguments, Session& session) {
   const auto free = free_axes_or_report(loaded->setting.machine, 0, session);
   if (!free) return;
   options.free = *free;
-  if (arguments.cut_with == "pose") options.correction = CutCorrection::pose;
-  const std::optional<std::vector<AxisCommands>> by_poses = commands_by_poses(*loaded, change);
-  if (!by_poses && !arguments.output.empty()) {
-    session.report(option_error("--output",
-                                "this machine lacks an axis, or the travel, that the corrected poses need",
-                                "--motions: the axis commands that leave the least on the flanks"));
-    return;
-  }
+  options.correction = correction_of(arguments.cut_with);
+  const bool for_flanks = options.correction == CutCorrection::flank;
+  const std::optional<std::vector<AxisCommands>> by_poses =
+      for_flanks ? std::nullopt : commands_by_poses(*loaded, change);
+  if (!poses_can_be_written(arguments, by_poses.has_value(), session)) return;
   answer.by_poses = by_poses.has_value();
-  const std::vector<AxisCommands> sent =
-      by_poses ? *by_poses : commands_by_axes(*loaded, known, options.free);
+  const auto sent = by_poses ? by_poses : commands_by_axes(*loaded, known, options, session);
+  if (!sent || !within_travels(*loaded, *sent, session)) return;
   const std::optional<GearFigures> before = figures_with(*loaded, *inspection, options);
-  options.sent = &sent;
+  options.sent = &*sent;
+  if (for_flanks) options.correction = CutCorrection::none;  // it is in what is sent
   const std::optional<GearFigures> after = figures_with(*loaded, *inspection, options);
   if (!before || !after) return;
   answer.before = *before;
@@ -276,7 +303,7 @@ void run_gear_correct(const GearCorrectArguments& arguments, Session& session) {
                        arguments.output.empty()
                            ? ""
                            : write_gear_cl(job, wheel, loaded->motion.axis_sign, kClTolerance, change)},
-                      {"--motions", arguments.motions, motions_csv(*loaded, sent)}},
+                      {"--motions", arguments.motions, motions_csv(*loaded, *sent)}},
                      inputs, session))
     return;
   session.out.write(arguments.machine.common.json ? json_of(answer) : text_of(answer));
@@ -302,8 +329,8 @@ Verb gear_correct_verb(CLI::App& gear, Session& session) {
       ->type_name("UM");
   command
       ->add_option("--cut-with", arguments->cut_with,
-                   "how the measured gear was cut, and the corrected one will be: none, pose (none)")
-      ->check(CLI::IsMember({"none", "pose"}))
+                   "how the measured gear was cut, and the corrected one will be: none, pose, flank (none)")
+      ->check(CLI::IsMember({"none", "pose", "flank"}))
       ->type_name("WHAT");
   return {command, [arguments, &session] { run_gear_correct(*arguments, session); }};
 }

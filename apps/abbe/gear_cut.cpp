@@ -36,10 +36,6 @@ struct CutAnswer {
   std::optional<double> second_order;
 };
 
-CutCorrection correction_of(std::string_view text) {
-  return text == "pose" ? CutCorrection::pose : text == "flank" ? CutCorrection::flank : CutCorrection::none;
-}
-
 /// False after reporting why commands cannot be corrected.
 bool set_correction(const GearCutArguments& arguments, const GearOnMachine& loaded, CutOptions& options,
                     Session& session) {
@@ -164,13 +160,7 @@ void warn(const CutAnswer& answer, Session& session) {
 /// False after reporting that corrected commands would rest on errors nobody has measured.
 bool within_calibration(const GearCutArguments& arguments, const MachineCut& cut, Session& session) {
   if (!cut.outside || correction_of(arguments.correction) == CutCorrection::none) return true;
-  Diagnostic error;
-  error.code = "E-VOL";
-  error.place.file = arguments.machine.common.machine;
-  error.message = "the cut leaves the volume, or the temperatures, in which the errors are known";
-  error.why = "an error was held at the end of its table, where nobody has measured";
-  error.fix = "another place of the gear, or measure a larger volume";
-  session.report(error, Exit::outside);
+  report_outside(arguments.machine.common.machine, session);
   return false;
 }
 
@@ -187,6 +177,7 @@ void run_gear_cut(const GearCutArguments& arguments, Session& session) {
                              options, bar.callback());
   if (!std::holds_alternative<MachineCut>(made) || std::get<MachineCut>(made).stopped) return;
   if (!within_calibration(arguments, std::get<MachineCut>(made), session)) return;
+  if (!within_travels(*loaded, std::get<MachineCut>(made).commands, session)) return;
   CutAnswer answer{*loaded, arguments, std::get<MachineCut>(std::move(made)), {}, {}};
   answer.figures = inspection->figures(answer.cut.deviations);
   answer.second_order = second_order(loaded->gear.job.gear, loaded->gear.wheel, answer.cut.deviations);

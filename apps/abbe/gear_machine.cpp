@@ -12,6 +12,7 @@
 namespace abbe::app {
 namespace {
 
+constexpr double kOnTheEnd = 1e-9;  // mm or rad
 constexpr double kMuchSecondOrder = 1 * um;
 
 Diagnostic course_error(const std::string& file, std::string message, std::string fix) {
@@ -66,6 +67,24 @@ std::optional<CuttingMotion> plan_or_report_cutting(const Machine& machine, cons
   return std::nullopt;
 }
 
+void warn_of_course(const GearOnMachine& loaded, const std::string& file, Session& session) {
+  const std::vector<double>& time = loaded.course.time;
+  const double begin = loaded.motion.time(loaded.gear.job.cutting, 0, 0),
+               end = loaded.motion.time(loaded.gear.job.cutting, loaded.motion.gaps() - 1,
+                                        loaded.motion.nodes - 1);
+  if (time.empty() || (time.front() <= begin && time.back() >= end)) return;
+  Diagnostic warning;
+  warning.severity = Severity::warning;
+  warning.code = "W-GEAR-COURSE";
+  warning.place.file = file;
+  warning.message =
+      fmt::format("the course goes from {:.0f} to {:.0f} s, the wheel cuts from {:.0f} to {:.0f} s",
+                  time.front(), time.back(), begin, end);
+  warning.why = "its first and last values are held: what drifts there is not seen";
+  warning.fix = "record the sensors over the whole cut, or check feed and index_time of the gear file";
+  session.report(warning);
+}
+
 }  // namespace
 
 void report_cutting(const CuttingProblem& problem, const GearMachineArguments& arguments, Session& session) {
@@ -78,6 +97,44 @@ void report_cutting(const CuttingProblem& problem, const GearMachineArguments& a
   error.fix = axes ? "a machine that turns the gear and, for helical gears, swivels the wheel"
                    : "another wheel, [cutting] middle, or --near";
   session.report(error, axes ? Exit::invalid : Exit::outside);
+}
+
+CutCorrection correction_of(std::string_view text) {
+  return text == "pose" ? CutCorrection::pose : text == "flank" ? CutCorrection::flank : CutCorrection::none;
+}
+
+void report_outside(const std::string& file, Session& session) {
+  Diagnostic error;
+  error.code = "E-VOL";
+  error.place.file = file;
+  error.message = "the cut leaves the volume, or the temperatures, in which the errors are known";
+  error.why = "an error was held at the end of its table, where nobody has measured";
+  error.fix = "another place of the gear, or measure a larger volume";
+  session.report(error, Exit::outside);
+}
+
+bool within_travels(const GearOnMachine& loaded, const std::vector<AxisCommands>& commands,
+                    Session& session) {
+  const Machine& machine = loaded.setting.machine;
+  for (std::size_t k = 0; k < commands.size(); ++k)
+    for (int i = 0; i < machine.axis_count(); ++i) {
+      const auto& range = machine.axis(i).range;
+      const double q = commands[k][static_cast<std::size_t>(i)];
+      if (!range || (q >= (*range)[0] - kOnTheEnd && q <= (*range)[1] + kOnTheEnd)) continue;
+      Diagnostic error;
+      error.code = "E-TRAVEL";
+      error.place.file = machine.files.front();
+      error.message = fmt::format(
+          "gap {}, {:.3f} mm above the middle of the face: the corrected command {:.6f} "
+          "is outside the travel of {}",
+          k / loaded.motion.nodes + 1, loaded.motion.height(k % loaded.motion.nodes),
+          q / machine.axis_unit(i), machine.axis(i).name);
+      error.why = "the nominal command is within, its correction is not";
+      error.fix = "another place of the gear, or --lock that axis";
+      session.report(error, Exit::outside);
+      return false;
+    }
+  return true;
 }
 
 void report_second_order(const std::optional<double>& neglected, const std::string& file, Session& session) {
@@ -117,8 +174,10 @@ std::optional<GearOnMachine> load_gear_on_machine(const GearMachineArguments& ar
   std::vector<std::string> inputs = setting->machine.files;
   for (const std::string& path : {arguments.gear, arguments.course, arguments.common.environment})
     if (!path.empty()) inputs.push_back(path);
-  return GearOnMachine{std::move(*setting), std::move(*gear), std::move(*motion), std::move(*course),
+  GearOnMachine loaded{std::move(*setting), std::move(*gear), std::move(*motion), std::move(*course),
                        std::move(inputs)};
+  warn_of_course(loaded, arguments.course, session);
+  return loaded;
 }
 
 std::string motions_csv(const GearOnMachine& loaded, const std::vector<AxisCommands>& commands) {

@@ -20,6 +20,8 @@ struct GearMakeArguments {
   bool json = false;
 };
 
+constexpr int kMostPoints = 200'000;  // of a flank: 40 MB of text
+
 constexpr std::array kFlanks = {Flank::right, Flank::left};
 
 std::string name_of(Flank flank) { return flank == Flank::right ? "right" : "left"; }
@@ -59,6 +61,12 @@ std::string tolerances_text(const GearJob& job) {
 }
 
 void run_gear_make(const GearMakeArguments& arguments, Session& session) {
+  if (arguments.heights > kMostPoints / arguments.rolls) {
+    session.report(option_error("--rolls",
+                                fmt::format("{} x {} points of a flank", arguments.rolls, arguments.heights),
+                                fmt::format("at most {} with --heights", kMostPoints)));
+    return;
+  }
   const std::optional<LoadedGear> gear = load_gear(arguments.gear, session);
   if (!gear) return;
   if (!write_outputs(

@@ -93,7 +93,7 @@ bool solved_or_report(const Identification& found, Session& session) {
           "it says";
       break;
     case Status::too_few_rows:
-      why.message = "fewer samples than unknowns";
+      why.message = "fewer samples than unknowns (those near reversals do not count: --reversal-ms)";
       why.fix = "measure more, or ask for fewer terms (--rotation 0, --straightness 2)";
       break;
     case Status::not_finite:
@@ -138,7 +138,7 @@ void run_joint(const IdentifyArguments& a, const Machine& machine, const std::ve
     session.report(doubt);
   }
   if (!a.common.json) {
-    session.out.write(identification_text(machine, found, false) + balance_text(found, tests));
+    session.out.write(identification_text(machine, found, tests, false) + balance_text(found, tests));
     return;
   }
   JsonWriter json;
@@ -236,7 +236,7 @@ void run_identifiability(const IdentifyArguments& a, Session& session) {
   const Identification found = identifiability(setting->machine, plan, options_of(a));
   if (!solved_or_report(found, session)) return;
   if (!a.common.json) {
-    session.out.write(identification_text(setting->machine, found, true));
+    session.out.write(identification_text(setting->machine, found, plan, true));
     return;
   }
   JsonWriter json;

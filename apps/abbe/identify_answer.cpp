@@ -2,9 +2,11 @@
 
 #include <fmt/core.h>
 
+#include <array>
 #include <cmath>
 
 #include "abbe/core/units.h"
+#include "abbe/identify/deviation_uncertainty.h"
 
 namespace abbe::app {
 namespace {
@@ -44,6 +46,38 @@ void write_share(JsonWriter& json, std::string_view name, const DynamicShare& sh
   json.member("L1", share.l1).member("rms", share.rms).member("energy", share.energy).end();
 }
 
+std::string positions_text(const Machine& machine, const DeviationUncertainty& u) {
+  std::string text;
+  for (std::size_t k = 0; k < u.at.size(); ++k)
+    if (u.most[k] > u.least[k])
+      text += fmt::format("{}{} {:g}", text.empty() ? "" : ", ", machine.axis(static_cast<int>(k)).name,
+                          std::round(u.at[k]));
+  return text;
+}
+
+std::string space_text(const Machine& machine, const Identification& found,
+                       const std::vector<BallbarTest>& tests) {
+  const DeviationUncertainty u = uncertainty_of_deviation(machine, found, tests);
+  return fmt::format(
+      "\nstandard uncertainty of the static deviation in the box of tested positions, without what is taken "
+      "for "
+      "zero:\n"
+      "  rms {:.3g} um; worst {:.3g} um at {} mm (x {:.3g}, y {:.3g}, z {:.3g})\n",
+      u.rms / um, u.worst / um, positions_text(machine, u), u.u.x() / um, u.u.y() / um, u.u.z() / um);
+}
+
+void write_space(JsonWriter& json, const Machine& machine, const Identification& found,
+                 const std::vector<BallbarTest>& tests) {
+  const DeviationUncertainty u = uncertainty_of_deviation(machine, found, tests);
+  json.key("deviation_uncertainty").begin_object();
+  json.member("rms_um", u.rms / um).member("worst_um", u.worst / um);
+  json.member("u_um", std::array{u.u.x() / um, u.u.y() / um, u.u.z() / um});
+  json.key("at_mm").begin_object(Layout::one_line);
+  for (std::size_t k = 0; k < u.at.size(); ++k)
+    if (u.most[k] > u.least[k]) json.member(machine.axis(static_cast<int>(k)).name, u.at[k]);
+  json.end().end();
+}
+
 }  // namespace
 
 ShownTerm shown(const IdentifiedTerm& term) {
@@ -58,7 +92,8 @@ ShownTerm shown(const IdentifiedTerm& term) {
           unit};
 }
 
-std::string identification_text(const Machine& machine, const Identification& found, bool plan) {
+std::string identification_text(const Machine& machine, const Identification& found,
+                                const std::vector<BallbarTest>& tests, bool plan) {
   std::string text =
       fmt::format("{} samples ({} near reversals left out), {} unknowns, rank {}, noise {:.3g} um\n\n",
                   found.rows, found.left_out, found.names.size(), found.rank, found.noise / um);
@@ -73,6 +108,7 @@ std::string identification_text(const Machine& machine, const Identification& fo
   for (const UnseenCombination& c : found.unseen) text += fmt::format("  {}\n", c.words);
   if (!found.assumptions.empty()) text += "taken for zero:\n";
   for (const std::string& zero : found.assumptions) text += fmt::format("  {}\n", zero);
+  text += space_text(machine, found, tests);
   if (plan) return text;
   text += fmt::format(
       "\nresiduals: chi^2 per degree of freedom {:.3f}, largest {:.1f} standard deviations, lag one "
@@ -125,6 +161,7 @@ void write_identification(JsonWriter& json, const Machine& machine, const Identi
   for (const UnseenCombination& c : found.unseen) json.value(c.words);
   json.end();
   json.member("assumed_zero", found.assumptions);
+  write_space(json, machine, found, tests);
   if (plan) return;
   json.key("covariance").begin_array();
   for (Eigen::Index i = 0; i < found.covariance.rows(); ++i) {

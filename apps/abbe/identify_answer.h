@@ -15,9 +15,10 @@ struct ShownTerm {
 };
 [[nodiscard]] ShownTerm shown(const IdentifiedTerm& term);
 
-/// Terms with value and uncertainty (or, of a plan, the expected uncertainty), rank, what is not seen,
-/// doubts.
-[[nodiscard]] std::string identification_text(const Machine& machine, const Identification& found, bool plan);
+/// Terms with value and uncertainty (or, of a plan, the expected uncertainty), rank, what is not seen, the
+/// uncertainty of the deviation over the tested space, doubts.
+[[nodiscard]] std::string identification_text(const Machine& machine, const Identification& found,
+                                              const std::vector<BallbarTest>& tests, bool plan);
 /// Per run: measured, servo, static, dynamic, residual, dynamic share with its interval.
 [[nodiscard]] std::string balance_text(const Identification& found, const std::vector<BallbarTest>& tests);
 void write_identification(JsonWriter& json, const Machine& machine, const Identification& found,

@@ -16,15 +16,23 @@
 #include "common.h"
 #include "output_file.h"
 #include "part_source.h"
+#include "progress.h"
 #include "verbs.h"
 
 namespace abbe::app {
 namespace {
 
+constexpr std::size_t kReport = 256;  // points between two looks at the clock
+constexpr double ppm = 1e-6;
+
 struct InspectArguments {
   std::string surface, points, fit = "none", svg, csv;
   PointColumns columns;
-  double ball_mm = 0, noise_um = 0, beside_mm = 0.1;
+  double ball_mm = 0, noise_um = 0, size_um = 0, scale_ppm = 0, beside_mm = 0.1;
+
+  [[nodiscard]] bool probes() const {
+    return ball_mm != 0 || noise_um != 0 || size_um != 0 || scale_ppm != 0;
+  }
   std::optional<double> limit_um;
   std::uint64_t seed = 1;
   bool json = false;
@@ -34,17 +42,26 @@ BestFit fit_of(const std::string& name) {
   return name == "rigid" ? BestFit::rigid : name == "shift" ? BestFit::shift : BestFit::none;
 }
 
-/// Takes the probe's ball off (its centres were recorded), and adds what a probe of that uncertainty would.
-void probe(const InspectArguments& arguments, const NearestPoint& nominal,
+/// Takes the probe's ball off (its centres were recorded), and adds what a measuring machine with these
+/// errors would:
+///     q' = (1 + scale) q + (size + noise - R) n
+/// False: interrupted.
+bool probe(const InspectArguments& arguments, const NearestPoint& nominal,
            std::vector<TouchedPoint>& points) {
-  if (arguments.ball_mm == 0 && arguments.noise_um == 0) return;
+  if (!arguments.probes()) return true;
   RandomStream random(arguments.seed);
+  ProgressBar bar("probe", true, "M points");
+  const Progress progress = bar.callback();
+  std::size_t done = 0;
   for (TouchedPoint& point : points) {
+    if (++done % kReport == 0 && !progress(done, points.size())) return false;
+    point.measured *= 1 + arguments.scale_ppm * ppm;
     const SurfaceFoot foot =
         point.target ? nominal.from(*point.target, point.measured) : nominal(point.measured);
     const double noise = arguments.noise_um > 0 ? random.normal() * arguments.noise_um * um : 0;
-    point.measured += (noise - arguments.ball_mm) * foot.at.normal;
+    point.measured += (arguments.size_um * um + noise - arguments.ball_mm) * foot.at.normal;
   }
+  return true;
 }
 
 /// A part of which no point counts has not passed.
@@ -66,6 +83,9 @@ std::string text_of(const InspectArguments& arguments, const Inspection& inspect
   if (arguments.noise_um > 0)
     text += fmt::format("  probing noise added: {} um standard deviation, seed {}\n", arguments.noise_um,
                         arguments.seed);
+  if (arguments.size_um != 0 || arguments.scale_ppm != 0)
+    text += fmt::format("  probing errors added: {:+} um along every normal, lengths {:+} ppm\n",
+                        arguments.size_um, arguments.scale_ppm);
   text += figures_text(inspection.figures);
   if (inspection.figures.beside > 0)
     text += fmt::format("  {} points beside the patch do not count\n", inspection.figures.beside);
@@ -85,6 +105,8 @@ std::string json_of(const InspectArguments& arguments, const Inspection& inspect
   json.key("probe").begin_object(JsonWriter::Layout::one_line);
   json.member("radius_mm", arguments.ball_mm)
       .member("noise_mm", arguments.noise_um * um)
+      .member("size_mm", arguments.size_um * um)
+      .member("scale_ppm", arguments.scale_ppm)
       .member("seed", arguments.seed)
       .end();
   write_figures(json, inspection.figures);
@@ -122,8 +144,15 @@ void warn(const InspectArguments& arguments, const Inspection& inspection, Sessi
         Diagnostic{Severity::warning, code, {arguments.points, 0, 0, 0, {}}, std::move(message), why, fix});
   };
   if (inspection.figures.beside > 0)
-    warning("W-PART-BESIDE", fmt::format("{} points are beside the patch", inspection.figures.beside),
+    warning("W-PART-BESIDE",
+            fmt::format("{} points are beside the patch, or at a place without a normal",
+                        inspection.figures.beside),
             "they do not count", "check units and datum, or a larger --beside-mm");
+  if (inspection.figures.creased > 0)
+    warning("W-PART-CREASE",
+            fmt::format("{} points lie beside a crease of the surface", inspection.figures.creased),
+            "a crease has no normal: their deviation is the distance, with the sign of that side",
+            "judge the faces beside the crease one by one");
   if (!inspection.settled)
     warning("W-PART-FIT", "the best fit does not come to rest", "the points do not fix the part",
             "measure on more of the surface");
@@ -135,8 +164,12 @@ void run_inspect(const InspectArguments& arguments, Session& session) {
   const NearestPoint nominal(*surface);
   auto points = load_points(arguments.points, arguments.columns, nominal, session);
   if (!points) return;
-  probe(arguments, nominal, *points);
-  const Inspection inspection = inspect_points(nominal, *points, fit_of(arguments.fit), arguments.beside_mm);
+  if (!probe(arguments, nominal, *points)) return;
+  const Inspection inspection = [&] {
+    ProgressBar bar("inspect", true, "M points");
+    return inspect_points(nominal, *points, fit_of(arguments.fit), arguments.beside_mm, bar.callback());
+  }();
+  if (inspection.stopped) return;
   std::size_t above = 0;
   for (const InspectedPoint& point : inspection.points)
     if (point.used && arguments.limit_um && std::abs(point.foot.deviation) > *arguments.limit_um * um)
@@ -179,6 +212,13 @@ Verb inspect_verb(CLI::App& program, Session& session) {
   verb->add_option("--probe-um", arguments->noise_um,
                    "adds random probing errors along the normal of this standard deviation")
       ->check(CLI::Range(0.0, 1e3));
+  verb->add_option(
+          "--probe-size-um", arguments->size_um,
+          "adds this probing error to every point, + = out of the material: a stylus taken too small")
+      ->check(CLI::Range(-1e3, 1e3));
+  verb->add_option("--probe-scale-ppm", arguments->scale_ppm,
+                   "adds an error of the scales: lengths from the origin are read this much too long")
+      ->check(CLI::Range(-1e4, 1e4));
   verb->add_option("--seed", arguments->seed, "of the probing errors")->capture_default_str();
   verb->add_option("--beside-mm", arguments->beside_mm, "points farther beside the patch do not count")
       ->check(CLI::Range(0.0, 1e3))

@@ -23,6 +23,8 @@
 namespace abbe::app {
 namespace {
 
+constexpr std::size_t kReport = 256;  // points between two looks at the clock
+
 struct MachineArguments {
   ProgramArguments program;
   std::string input, surface, cutter = "ball:3", grid = "10x10", points, output;
@@ -57,7 +59,12 @@ std::optional<std::vector<AskedPoint>> asked_points(const MachineArguments& argu
     const NearestPoint nominal(surface);
     const auto points = load_points(arguments.points, {}, nominal, session);
     if (!points) return std::nullopt;
-    for (const TouchedPoint& point : *points) places.push_back(nominal(point.measured).place);
+    ProgressBar bar("points", true, "M points");
+    const Progress progress = bar.callback();
+    for (const TouchedPoint& point : *points) {
+      places.push_back(nominal(point.measured).place);
+      if (places.size() % kReport == 0 && !progress(places.size(), points->size())) return std::nullopt;
+    }
   }
   std::vector<AskedPoint> out;
   for (const SurfacePlace& place : places) out.push_back({place, evaluate(surface, place), std::nullopt});
@@ -125,9 +132,10 @@ bool ask(const MachinedSurface& part, double reach, MachineAnswer& answer) {
   std::vector<double> found;
   for (std::size_t k = 0; k < answer.points.size(); ++k) {
     AskedPoint& point = answer.points[k];
-    point.deviation = part.deviation(point.nominal.p, point.nominal.normal, reach);
+    if (point.nominal.is_regular())
+      point.deviation = part.deviation(point.nominal.p, point.nominal.normal, reach);
     if (!point.deviation) ++answer.uncut;
-    if (k % 256 == 255 && !progress(k, answer.points.size())) return false;
+    if (k % kReport == kReport - 1 && !progress(k, answer.points.size())) return false;
   }
   std::vector<InspectedPoint> judged;
   for (const AskedPoint& point : answer.points) {
@@ -151,8 +159,8 @@ void warn(const MachineArguments& arguments, const MachineAnswer& answer, Sessio
   };
   if (answer.uncut > 0)
     warning("W-PART-UNCUT",
-            fmt::format("{} of {} points are not cut within {} mm", answer.uncut, answer.points.size(),
-                        arguments.reach),
+            fmt::format("{} of {} points are not cut within {} mm, or have no normal", answer.uncut,
+                        answer.points.size(), arguments.reach),
             "they are not part of the figures", "check offset, cutter and surface, or a larger --reach-mm");
   const bool gouged = std::any_of(answer.points.begin(), answer.points.end(), [&](const AskedPoint& p) {
     return p.deviation && *p.deviation <= -arguments.reach;
@@ -264,6 +272,7 @@ void run_machine(MachineArguments arguments, Session& session) {
     return;
   const double most = std::max(std::abs(answer.figures.least), std::abs(answer.figures.most));
   const auto& limits = setting->setting.limits;
+  if (answer.program.beyond_travel || answer.program.outside) session.note(Exit::outside);
   if (session.strict && limits.position && (answer.uncut > 0 || most > *limits.position))
     session.note(Exit::warnings);
   session.out.write(arguments.program.common.json

@@ -12,12 +12,14 @@
 #include "abbe/surface/read_surface.h"
 #include "common.h"
 #include "csv.h"
+#include "progress.h"
 
 namespace abbe::app {
 namespace {
 
 constexpr std::size_t kMostCells = 1000000;
 constexpr std::size_t kMostPoints = 1000000;
+constexpr std::size_t kReport = 256;  // points between two looks at the clock
 constexpr double kShown = 0.001 * um;
 
 /// Indices of three columns; nullopt if one is missing, which is then named.
@@ -119,7 +121,10 @@ std::optional<std::vector<TouchedPoint>> load_points(const std::string& path, co
     session.report(error);
     return std::nullopt;
   }
+  ProgressBar bar(fmt::format("read {}", path));
   while (!csv.failed() && csv.next()) {
+    if (points.size() % kReport == 0) bar.show(csv.bytes_read(), csv.bytes_total());
+    if (interrupted()) return std::nullopt;
     const auto point = read_point(csv, *measured);
     const auto should = point && target ? read_point(csv, *target) : std::nullopt;
     if (csv.failed()) break;

@@ -33,7 +33,8 @@ struct PointColumns {
   bool target_needed = false;       ///< .. unless they were asked for
 };
 
-/// Points of a CSV file, mm. `nominal` finds the place of the targets. nullopt after reporting.
+/// Points of a CSV file, mm. `nominal` finds the place of the targets. nullopt after reporting, and where the
+/// user interrupts.
 [[nodiscard]] std::optional<std::vector<TouchedPoint>> load_points(const std::string& path,
                                                                    const PointColumns& columns,
                                                                    const NearestPoint& nominal,

@@ -55,7 +55,15 @@ void tell(const ProgramOutcome& outcome, const ProgramArguments& arguments, cons
 struct RewriteArguments {
   ProgramArguments program;
   std::string input, output;
+  unsigned threads = 0;
 };
+
+void add_threads(CLI::App& verb, RewriteArguments& arguments) {
+  verb.add_option("--threads", arguments.threads,
+                  "1: verify after rewriting, not at the same time; the result does not depend on it")
+      ->check(CLI::Range(1, 4096))
+      ->type_name("N");
+}
 
 void run_rewrite(const RewriteArguments& arguments, Session& session, bool check) {
   if (!check && arguments.output == "-" && arguments.program.common.json) {
@@ -66,6 +74,7 @@ void run_rewrite(const RewriteArguments& arguments, Session& session, bool check
   auto setting = load_program_setting(arguments.program, arguments.input, session);
   if (!setting) return;
   setting->job.program = arguments.input;
+  setting->job.threads = arguments.threads;
   if (!check) setting->job.output = arguments.output;
   ProgramOutcome outcome;
   {
@@ -89,6 +98,7 @@ Verb compensate_verb(CLI::App& program, Session& session) {
   verb->add_option("--header", arguments->program.header, "where the output says what it is")
       ->check(CLI::IsMember({"inline", "sidecar", "none"}))
       ->capture_default_str();
+  add_threads(*verb, *arguments);
   return {verb, [arguments, &session] {
             if (settle_files(arguments->program.common, {&arguments->input}, session))
               run_rewrite(*arguments, session, false);
@@ -100,6 +110,7 @@ Verb check_verb(CLI::App& program, Session& session) {
   CLI::App* verb = program.add_subcommand("check", "everything compensate does, without an output");
   add_program_options(*verb, arguments->program, session);
   verb->add_option("program", arguments->input, "program, or - for standard input");
+  add_threads(*verb, *arguments);
   return {verb, [arguments, &session] {
             if (settle_files(arguments->program.common, {&arguments->input}, session))
               run_rewrite(*arguments, session, true);

@@ -17,6 +17,7 @@ namespace {
 
 constexpr double kCountsPerMm = 1e5;  // of the simulated encoders: 10 nm
 constexpr int kLargestCount = 21000;  // mm that 32 bits of counts reach
+constexpr double kMostCycles = 1e7;   // of one run: 0.5 GB of positions
 
 struct SimulateArguments {
   CommonArguments common;
@@ -101,6 +102,36 @@ bool write_bus(const std::string& path, const PlannedCircle& circle, const Simul
   return false;
 }
 
+/// The axis whose travel ends before the circle with run-in and run-out does; empty if there is none.
+std::string leaving(const Machine& machine, const PlannedCircle& c) {
+  constexpr int kSteps = 720;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double first = c.from - c.overshoot, last = c.to + c.overshoot;
+    const Vec3 q = c.centre + c.radius * radial_direction(c.plane, first + (last - first) * i / kSteps);
+    for (const int k : {c.plane.first, c.plane.second}) {
+      const Body& axis = machine.axis(machine.find_axis(std::string(1, axis_letter(k))));
+      if (axis.range && (q[k] < (*axis.range)[0] || q[k] > (*axis.range)[1])) return axis.name;
+    }
+  }
+  return {};
+}
+
+/// False after telling which test this machine cannot perform, or this program not hold.
+bool tests_can_be_done(const Machine& machine, const std::vector<CirclePlan>& plan, double cycle,
+                       Session& session) {
+  for (const CirclePlan& planned : plan) {
+    if (const std::string axis = leaving(machine, planned.circle); !axis.empty())
+      session.report(option_error("--test",
+                                  fmt::format("{} leaves the travel of {}", name_of(planned.circle), axis),
+                                  "a smaller radius or arc"));
+    if (const double cycles = duration_of(planned.circle) / cycle; cycles > kMostCycles)
+      session.report(option_error(
+          "--test", fmt::format("{} takes {:.3g} cycles of the bus", name_of(planned.circle), cycles),
+          fmt::format("{:g} at most: a higher feed, or a longer --cycle-us", kMostCycles)));
+  }
+  return !session.has(Exit::invalid);
+}
+
 bool axes_are_there(const Machine& machine, const std::vector<CirclePlan>& plan, Session& session) {
   for (const CirclePlan& planned : plan) {
     for (const int k : {planned.circle.plane.first, planned.circle.plane.second}) {
@@ -122,7 +153,10 @@ void run_simulation(const SimulateArguments& arguments, Session& session) {
   const auto plan = read_plan(arguments.plan, session);
   SimulationSettings settings;
   if (!setting || !plan || !read_lag(arguments, settings, session)) return;
-  if (!axes_are_there(setting->machine, *plan, session)) return;
+  const double cycle = arguments.cycle_us * 1e-6;
+  if (!axes_are_there(setting->machine, *plan, session) ||
+      !tests_can_be_done(setting->machine, *plan, cycle, session))
+    return;
   const std::optional<Plan> model = plan_or_report(*setting, setting->environment, session);
   if (!model) return;
   settings.clock_offset = arguments.clock_ms * 1e-3;
@@ -133,10 +167,10 @@ void run_simulation(const SimulateArguments& arguments, Session& session) {
     const PlannedCircle& circle = (*plan)[i].circle;
     settings.noise = (*plan)[i].noise;
     settings.seed = arguments.seed * 1000ULL + i;
-    const SimulatedCircle made = simulate_circle(*model, circle, settings, arguments.cycle_us * 1e-6);
+    const SimulatedCircle made = simulate_circle(*model, circle, settings, cycle);
     const std::string path = fmt::format("{}{}", arguments.prefix, i + 1);
     files.push_back({"--out", path + ".csv", write_ballbar(made.test)});
-    if (arguments.bus && !write_bus(path + ".pcap", circle, made, arguments.cycle_us * 1e-6, session)) return;
+    if (arguments.bus && !write_bus(path + ".pcap", circle, made, cycle, session)) return;
     session.out.write(fmt::format("{}.csv{}: {}, {} samples\n", path, arguments.bus ? " and .pcap" : "",
                                   name_of(circle), made.test.samples()));
   }

@@ -35,6 +35,8 @@ FaultWords words_of(ToolPathFault::Kind kind) {
   switch (kind) {
     case ToolPathFault::Kind::curvature:
       return {"E-PATH-CURVATURE", "a cutter of a smaller radius"};
+    case ToolPathFault::Kind::pole:
+      return {"E-PATH-POLE", "a part of the surface that ends before the pole, or a net without one"};
     case ToolPathFault::Kind::undercut:
       return {"E-PATH-UNDERCUT", "turn the part, or correct `outward` in the surface file"};
     case ToolPathFault::Kind::gouge:

@@ -16,6 +16,7 @@ namespace abbe::cli {
 namespace {
 
 using nlohmann::json;
+using ::testing::AllOf;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::Not;
@@ -88,7 +89,8 @@ TEST_F(Captures, JsonHasTheMembersOfTheContract) {
   EXPECT_EQ(summary["paired"], summary["returned"]);
   EXPECT_EQ(summary["process_data"][0]["expected_working_counter"], 6);
   EXPECT_EQ(summary["signals"].size(), 12U);
-  EXPECT_THAT(run_abbe({"capture", path, "--summary"}).out, HasSubstr("best clock: esl"));
+  EXPECT_THAT(run_abbe({"capture", path, "--summary"}).out,
+              AllOf(HasSubstr("best clock: esl"), HasSubstr("signals (start-up traffic):")));
 }
 
 TEST_F(Captures, BinaryColumnsAreThoseOfCsv) {

@@ -38,7 +38,7 @@ EB0Z = 15
 TEST(Profiles, AreListedAndExplained) {
   const auto all = run_abbe({"profiles"});
   EXPECT_EQ(all.exit, 0);
-  for (const char* name : {"fanuc", "grbl", "grblhal", "haas", "iso", "linuxcnc", "siemens"})
+  for (const char* name : {"fanuc", "grbl", "grblhal", "haas", "heidenhain", "iso", "linuxcnc", "siemens"})
     EXPECT_THAT(all.out, HasSubstr(name));
   const auto fanuc = run_abbe({"profiles", "fanuc"});
   EXPECT_THAT(fanuc.out, AllOf(HasSubstr("G54.1"), HasSubstr("refused: a macro moves the machine"),

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "run_program.h"
 
@@ -136,6 +137,58 @@ TEST_F(GearVerb, CorrectFindsThePosesBehindTheFlanks) {
       2);
 }
 
+TEST_F(GearVerb, WhatWasCutForTheFlanksIsCorrectedForThem) {
+  // The machine has an error of 20 um that its file does not know; the gear was cut with --correct flank, so
+  // that only this one is on the flanks. What is sent then must be what --correct flank sends for both.
+  const auto mill = [&](const char* name, const std::string& errors) {
+    return folder_.put(name,
+                       "format = 1\n[machine]\nchain = \"w C b X Z S t\"\n[axis.C]\ndirection = [0, 0, 1]\n"
+                       "errors_seen = \"body\"\n[tool]\naxis = [0, 1, 0]\n[errors]\n" +
+                           errors);
+  };
+  const std::string known = "EXX = 5\nEYZ = { poly = [3, 0.1] }\n";
+  mill("known.toml", known + "EXw = 10\n");
+  mill("hidden.toml", "EXw = 20\n");
+  mill("both.toml", known + "EXw = 30\n");
+  ASSERT_EQ(run({"cut", "hidden.toml", "gear.toml", "--points", "p.csv"}).exit, 0);
+  ASSERT_EQ(run({"cut", "both.toml", "gear.toml", "--correct", "flank", "--motions", "wanted.csv"}).exit, 0);
+  const json found = answer({"correct", "known.toml", "gear.toml", "--measured", "p.csv", "--cut-with",
+                             "flank", "--motions", "found.csv"});
+  EXPECT_EQ(found["cut_with"], "flank");
+  std::istringstream wanted(text_of("wanted.csv")), sent(text_of("found.csv"));
+  std::string a, b;
+  for (int row = 0; std::getline(wanted, a) && std::getline(sent, b); ++row) {
+    if (row == 0) continue;
+    std::istringstream numbers_a(a), numbers_b(b);
+    for (std::string x, y; std::getline(numbers_a, x, ',') && std::getline(numbers_b, y, ',');)
+      ASSERT_NEAR(std::stod(x), std::stod(y), 1e-4) << a << "\n" << b;
+  }
+  EXPECT_THAT(
+      run({"correct", "known.toml", "gear.toml", "--measured", "p.csv", "--cut-with", "flank", "-o", "o.cls"})
+          .err,
+      HasSubstr("axis commands, not poses"));
+}
+
+TEST_F(GearVerb, CorrectedCommandsKeepTheTravels) {
+  // X stands at 699 mm in every gap: corrected by -5 um it would leave a travel that ends there.
+  folder_.put(
+      "tight.toml",
+      "format = 1\n[machine]\nchain = \"w C b X Z S t\"\n[axis.C]\ndirection = [0, 0, 1]\n"
+      "errors_seen = \"body\"\n[axis.X]\nrange = [699, 800]\n[tool]\naxis = [0, 1, 0]\n[errors]\nEXX = 5\n");
+  EXPECT_EQ(run({"cut", "tight.toml", "gear.toml"}).exit, 0);
+  const ProgramRun done = run({"cut", "tight.toml", "gear.toml", "--correct", "flank", "--motions", "m.csv"});
+  EXPECT_EQ(done.exit, 5);
+  EXPECT_THAT(done.err, HasSubstr("E-TRAVEL"));
+  EXPECT_EQ(text_of("m.csv"), "");
+}
+
+TEST_F(GearVerb, ACourseThatEndsEarlyIsTold) {
+  folder_.put("course.csv", "time [s],T1 [degC]\n0,20\n600,50\n");
+  const ProgramRun done = run({"cut", "mill.toml", "gear.toml", "--course", "course.csv", "--strict"});
+  EXPECT_EQ(done.exit, 4);
+  EXPECT_THAT(done.err, HasSubstr("W-GEAR-COURSE"));
+}
+
 TEST_F(GearVerb, WhatCannotBeMeantIsTold) {
   // Millimetres where micrometres are meant, and a point that is not on the flank.
   folder_.put("large.csv",
@@ -177,6 +230,7 @@ TEST_F(GearVerb, WrongInputIsNamed) {
   error({"correct", "mill.toml", "gear.toml", "--set", "T1=20", "--measured", "points.csv"}, 2, "E-CELL");
   error({"correct", "mill.toml", "gear.toml", "--set", "T1=20", "--measured", "off.csv"}, 2, "E-GEAR-POINTS");
   error({"correct", "mill.toml", "gear.toml", "--set", "T1=20", "--measured", "gear.toml"}, 2, "E-");
+  error({"make", "gear.toml", "--points", "p.csv", "--rolls", "10000", "--heights", "10000"}, 2, "E-OPTION");
   error({"mak", "gear.toml"}, 2, "did you mean make?");
 }
 

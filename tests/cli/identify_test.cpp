@@ -144,11 +144,18 @@ TEST_F(Identify, IdentifiabilityExplainsOneFeed) {
   const ProgramRun one = abbe({"identifiability", mill_, "--test", "plane=XY,radius=100,feed=2000"});
   ASSERT_EQ(one.exit, 0) << one.err;
   EXPECT_THAT(one.out, HasSubstr("another feed tells them apart"));
+  EXPECT_THAT(one.out, HasSubstr("in the box of tested positions"));
   const ProgramRun two =
       abbe({"identifiability", mill_, "--json", "--test", "plane=XY,radius=100,feed=600,setup=a", "--test",
             "plane=XY,radius=150,feed=3000,setup=a"});
   ASSERT_EQ(two.exit, 0) << two.err;
-  EXPECT_GT(json::parse(two.out)["rank"], 10);
+  const json answer = json::parse(two.out);
+  EXPECT_GT(answer["rank"], 10);
+  const json& space = answer["deviation_uncertainty"];
+  EXPECT_GT(space["rms_um"], 0);
+  EXPECT_GT(space["worst_um"], space["rms_um"]);
+  EXPECT_NEAR(std::abs(space["at_mm"]["X"].get<double>()), 150, 1);
+  EXPECT_FALSE(space["at_mm"].contains("Z"));
 }
 
 TEST_F(Identify, SimulatedBusIsACapture) {
@@ -229,7 +236,18 @@ TEST_F(Identify, WrongInputIsNamed) {
   refused({"identifiability", mill_, "--test", plan + ",directions=left"}, "directions=left");
   refused({"identifiability", mill_, "--test", plan + ",from=90,to=20"}, "'to' is not above 'from'");
   refused({"identifiability", lathe, "--test", plan}, "E-IDENTIFY");
+  refused({"identifiability", mill_, "--test", plan, "--reversal-ms", "100000"},
+          "fewer samples than unknowns");
   refused({"simulate", "ballbar", lathe, "--test", plan, "--out", folder_ / "x"}, "no linear axis Y");
+  const std::string one = simulate()[0], copy = folder_.put("copy.csv", content(one));
+  refused({"identify", mill_, one, copy}, "again");
+  const std::string small = folder_.put("small.toml", kMill + "[axis.Y]\nrange = [-90, 200]\n");
+  const std::string out = folder_ / "x";
+  refused({"simulate", "ballbar", small, "--test", plan, "--out", out}, "leaves the travel of Y");
+  refused({"simulate", "ballbar", mill_, "--test", "plane=XY,radius=100,feed=0.01", "--out", out},
+          "cycles of the bus");
+  const std::string upper = "plane=XY,radius=100,feed=2000,from=10,to=170,overshoot=5";
+  EXPECT_EQ(abbe({"simulate", "ballbar", small, "--test", upper, "--out", out}).exit, 0);
   refused({"simulate", "ballbar", mill_, "--test", plan, "--lag", "Q=1", "--out", folder_ / "x"}, "--lag");
   refused({"identify", mill_, folder_ / "absent.csv"}, "E-FILE");
   refused({"identify", mill_, folder_.put("a.csv", "angle_deg,deviation_um\n")}, "does not say the plane");

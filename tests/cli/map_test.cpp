@@ -2,19 +2,14 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <sstream>
-#include <thread>
 
 #include "machines.h"
 #include "run_program.h"
@@ -240,25 +235,10 @@ TEST_F(Map, NumbersTooLargeAndFoldersThatAreMissing) {
 
 TEST_F(Map, InterruptLeavesNothingBehind) {
   const std::string csv = folder_.put("map.csv", "before");
-  const pid_t child = ::fork();
-  if (child == 0) {
-    ::execl(ABBE_PROGRAM, "abbe", "map", three_.c_str(), "--set", "T1=20", "--threads", "1", "--count", "100",
-            "--csv", csv.c_str(), nullptr);
-    ::_exit(127);
-  }
   // A second or more of work begins where the program catches the signal.
-  const auto catches = [&] {
-    const std::string status = content("/proc/" + std::to_string(child) + "/status");
-    const std::size_t at = status.find("SigCgt:");
-    return at != std::string::npos &&
-           (std::stoull(status.substr(at + 7), nullptr, 16) >> (SIGINT - 1) & 1) != 0;
-  };
-  for (int k = 0; k < 1000 && !catches(); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(5));
-  ASSERT_EQ(::kill(child, SIGINT), 0);
-  int status = 0;
-  ::waitpid(child, &status, 0);
-  ASSERT_TRUE(WIFEXITED(status));
-  EXPECT_EQ(WEXITSTATUS(status), 130);
+  EXPECT_EQ(
+      interrupt_abbe({"map", three_, "--set", "T1=20", "--threads", "1", "--count", "100", "--csv", csv}),
+      130);
   EXPECT_EQ(content(csv), "before");
   const auto files = std::filesystem::directory_iterator(folder_.path());
   EXPECT_EQ(std::distance(begin(files), end(files)), 3);  // two machines and the file of before

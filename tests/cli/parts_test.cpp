@@ -18,7 +18,6 @@ using nlohmann::json;
 using ::testing::HasSubstr;
 
 constexpr double kDigits = 1.2e-4;  // mm: rounding of the program, a few digits of 0.1 um
-constexpr double kChord = 1e-3;     // mm: default tolerance of tool paths
 
 const std::string kMill = R"(format = 1
 [machine]
@@ -160,6 +159,58 @@ TEST_F(Parts, PointsOfAMeasuringMachineAreRead) {
   EXPECT_EQ(run({"inspect", part, points, "--columns", "mx,my,mz", "--limit-um", "5", "--strict"}).exit, 4);
 }
 
+TEST_F(Parts, AMeasuringMachineMayBeWrong) {
+  const std::string part = folder_.put("part.toml", kPlane),
+                    points = folder_.put("cmm.csv", "x,y,z\n10,5,2\n20,10,4\n30,15,6\n15,18,3\n");
+  const auto mean = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> words{"inspect", part, points, "--json"};
+    words.insert(words.end(), more.begin(), more.end());
+    return json::parse(run(words).out)["deviation"]["mean_mm"].get<double>();
+  };
+  EXPECT_NEAR(mean({}), 0, 1e-12);
+  EXPECT_NEAR(mean({"--probe-size-um", "4"}), 0.004, 1e-12);
+  // The slope goes through the origin, so that a scale moves its points within it; not those above it.
+  EXPECT_NEAR(mean({"--probe-scale-ppm", "100"}), 0, 1e-12);
+  folder_.put("cmm.csv", "x,y,z\n10,5,3\n");
+  EXPECT_NEAR(mean({"--probe-scale-ppm", "100"}), 5 / std::sqrt(26.0) * 1.0001, 1e-9);
+}
+
+TEST_F(Parts, MeasuredPointsOfOthersAreRead) {
+  const std::string file = ABBE_SOURCE_DIR "/../shared/data/metrology/robot-WAM-random.csv";
+  if (!std::ifstream(file)) GTEST_SKIP() << file << " is not there";
+  const std::string plane =
+      folder_.put("plane.toml",
+                  "format = 1\n[surface]\ndegree = [1, 1]\npoints = [[[-2000, -2000, 0], "
+                  "[-2000, 2000, 0]], [[2000, -2000, 0], [2000, 2000, 0]]]\n");
+  const ProgramRun is = run({"inspect", plane, file, "--columns", "x_t,y_t,z_t", "--json"});
+  ASSERT_EQ(is.exit, 0) << is.err;
+  const json answer = json::parse(is.out);
+  EXPECT_EQ(answer["points"].size(), 20u);
+  for (const json& point : answer["points"])
+    EXPECT_NEAR(point["deviation_mm"].get<double>(), point["measured_mm"][2].get<double>(), 1e-9);
+}
+
+TEST_F(Parts, CreasesAndPolesAreSaid) {
+  const std::string roof =
+                        folder_.put("roof.toml",
+                                    "format = 1\n[surface]\ndegree = [1, 1]\npoints = [[[-10, 0, -10], [-10, "
+                                    "20, -10]], [[0, 0, 0], [0, 20, 0]], [[10, 0, -10], [10, 20, -10]]]\n"),
+                    cone = folder_.put("cone.toml",
+                                       "format = 1\n[surface]\ndegree = [1, 1]\npoints = [[[0, 0, 0], [0, 0, "
+                                       "0]], [[10, 0, 5], [0, 10, 5]]]\n");
+  EXPECT_EQ(code({"inspect", roof, folder_.put("top.csv", "x,y,z\n0.1,5,0.3\n"), "--strict"}, 4),
+            "W-PART-CREASE");
+  EXPECT_EQ(code({"toolpath", cone}), "E-PATH-POLE");
+}
+
+TEST_F(Parts, InterruptLeavesNothingBehind) {
+  std::string rows = "x,y,z\n";
+  for (int k = 0; k < 300000; ++k) rows += "10,5,2.1\n";
+  const std::string part = folder_.put("part.toml", kPlane), points = folder_.put("long.csv", rows);
+  EXPECT_EQ(interrupt_abbe({"inspect", part, points, "--csv", folder_ / "out.csv"}), 130);
+  EXPECT_FALSE(std::ifstream(folder_ / "out.csv"));
+}
+
 TEST_F(Parts, PointsBesideThePatchDoNotPass) {
   const std::string part = folder_.put("part.toml", kPlane),
                     far = folder_.put("far.csv", "x,y,z\n200,200,3\n");
@@ -171,7 +222,7 @@ TEST_F(Parts, PointsBesideThePatchDoNotPass) {
 
 TEST_F(Parts, WhatTheMachineCannotDoIsSaid) {
   cut(kPlane, "");
-  const auto warned = [&](const std::vector<std::string>& more) {
+  const auto warned = [&](const std::vector<std::string>& more, int exit = 4) {
     std::vector<std::string> words{"machine",
                                    folder_ / "mill.toml",
                                    folder_ / "part.ngc",
@@ -181,7 +232,7 @@ TEST_F(Parts, WhatTheMachineCannotDoIsSaid) {
                                    "X0,Y0,Z0",
                                    "--strict"};
     words.insert(words.end(), more.begin(), more.end());
-    return code(words, 4);
+    return code(words, exit);
   };
   EXPECT_EQ(warned({"--offset", "G54=X0,Y0,Z-200", "--cutter", "ball:1", "--reach-mm", "0.01"}),
             "W-PART-UNCUT");
@@ -190,7 +241,52 @@ TEST_F(Parts, WhatTheMachineCannotDoIsSaid) {
   std::string small = kMill;
   small.replace(small.find("[axis.Y]"), 8, "[axis.Y]\nrange = [-5, 5]");
   folder_.put("mill.toml", small);
-  EXPECT_EQ(warned({"--offset", "G54=X0,Y0,Z-200"}), "W-PART-TRAVEL");
+  EXPECT_EQ(warned({"--offset", "G54=X0,Y0,Z-200"}, 5), "W-PART-TRAVEL");
+  folder_.put("mill.toml", kMill + "[errors]\nEXX = { table = [[-1, 0], [3, 1]] }\n");
+  EXPECT_EQ(warned({"--offset", "G54=X0,Y0,Z-200"}, 5), "W-PART-VOLUME");
+  const ProgramRun answered =
+      run({"machine", folder_ / "mill.toml", folder_ / "part.ngc", "--surface", folder_ / "part.toml",
+           "--start", "X0,Y0,Z0", "--offset", "G54=X0,Y0,Z-200"});
+  EXPECT_EQ(answered.exit, 5);
+  EXPECT_THAT(answered.out, HasSubstr("profile")) << "answered all the same";
+}
+
+TEST_F(Parts, ProgramsThatCannotBeFollowedAreNamed) {
+  const std::string part = folder_.put("part.toml", kPlane);
+  const auto followed = [&](const std::string& machine, const std::string& program,
+                            const std::vector<std::string>& more, int exit) {
+    std::vector<std::string> words{"machine",
+                                   folder_.put("m.toml", machine),
+                                   folder_.put("a.ngc", program),
+                                   "--surface",
+                                   part,
+                                   "--offset",
+                                   "G54=X0,Y0,Z-200",
+                                   "--start",
+                                   "X0,Y0,Z0",
+                                   "--tool-change",
+                                   "keeps"};
+    words.insert(words.end(), more.begin(), more.end());
+    return code(words, exit);
+  };
+  const std::string head = "G21 G90 G54\nG0 X0 Y0 Z5\n";
+  EXPECT_EQ(followed(kMill, head + "T1 M6\nG1 Z0 F100\nT2 M6\nG1 X5\nM2\n",
+                     {"--gauge", "T1=100", "--gauge", "T2=100"}, 3),
+            "E-PART-TOOL");
+  EXPECT_EQ(followed(kMill, head + "G95 G1 Z0 F0.1\nM2\n", {"--clock"}, 3), "E-PART-TIME");
+  std::string askew = kMill;
+  askew.replace(askew.find("[axis.Y]"), 8, "[axis.Y]\ndirection = [0.001, 1, 0]");
+  EXPECT_EQ(followed(askew, head + "G1 Z0 F100\nM2\n", {}, 3), "E-PART-AXES");
+}
+
+TEST_F(Parts, MoreWayThanMemoryIsRefused) {
+  // Full circles of R = 1000 mm at a tolerance of 10 nm: 15708 poses each, which all reach the points.
+  std::string circles = "G21 G90 G54\nG0 X0 Y0 Z5\nG1 Z0 F100\n";
+  for (int k = 0; k < 60; ++k) circles += "G2 X0 Y0 I1000 J0\n";
+  EXPECT_EQ(code({"machine", folder_.put("mill.toml", kMill), folder_.put("a.ngc", circles + "M2\n"),
+                  "--surface", folder_.put("part.toml", kPlane), "--offset", "G54=X0,Y0,Z-200", "--start",
+                  "X0,Y0,Z0", "--cutter-length", "3000"}),
+            "E-PART-SIZE");
 }
 
 TEST_F(Parts, ClDataOfAPathAreRead) {

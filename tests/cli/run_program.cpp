@@ -4,10 +4,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 namespace abbe::cli {
 namespace {
@@ -15,6 +18,33 @@ namespace {
 std::string content(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+}
+
+std::vector<std::string> words_of(const std::vector<std::string>& arguments) {
+  std::vector<std::string> words = {ABBE_PROGRAM};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return words;
+}
+
+/// For execv, as long as `words` live.
+std::vector<char*> argv_of(std::vector<std::string>& words) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  return argv;
+}
+
+int exit_of(pid_t child) {
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
+
+bool catches(pid_t child, int signal) {
+  const std::string status = content("/proc/" + std::to_string(child) + "/status");
+  const std::size_t at = status.find("SigCgt:");
+  return at != std::string::npos &&
+         (std::stoull(status.substr(at + 7), nullptr, 16) >> (signal - 1) & 1) != 0;
 }
 
 }  // namespace
@@ -39,11 +69,8 @@ ProgramRun run_abbe(const std::vector<std::string>& arguments, std::string_view 
                     const std::string& folder) {
   const Folder scratch;
   const std::string in = scratch.put("in", input), out = scratch / "out", err = scratch / "err";
-  std::vector<char*> argv;
-  std::vector<std::string> words = {ABBE_PROGRAM};
-  words.insert(words.end(), arguments.begin(), arguments.end());
-  for (std::string& word : words) argv.push_back(word.data());
-  argv.push_back(nullptr);
+  std::vector<std::string> words = words_of(arguments);
+  const std::vector<char*> argv = argv_of(words);
   const pid_t child = ::fork();
   if (child == 0) {
     ::dup2(::open(in.c_str(), O_RDONLY), STDIN_FILENO);
@@ -52,13 +79,25 @@ ProgramRun run_abbe(const std::vector<std::string>& arguments, std::string_view 
     if (::chdir(folder.c_str()) == 0) ::execv(argv[0], argv.data());
     ::_exit(127);
   }
-  int status = 0;
-  ::waitpid(child, &status, 0);
   ProgramRun run;
-  run.exit = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  run.exit = exit_of(child);
   run.out = content(out);
   run.err = content(err);
   return run;
+}
+
+int interrupt_abbe(const std::vector<std::string>& arguments) {
+  std::vector<std::string> words = words_of(arguments);
+  const std::vector<char*> argv = argv_of(words);
+  const pid_t child = ::fork();
+  if (child == 0) {
+    ::execv(argv[0], argv.data());
+    ::_exit(127);
+  }
+  for (int k = 0; k < 1000 && !catches(child, SIGINT); ++k)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  ::kill(child, SIGINT);
+  return exit_of(child);
 }
 
 }  // namespace abbe::cli

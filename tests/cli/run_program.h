@@ -16,6 +16,10 @@ struct ProgramRun {
 [[nodiscard]] ProgramRun run_abbe(const std::vector<std::string>& arguments, std::string_view input = {},
                                   const std::string& folder = ".");
 
+/// Starts `abbe` and interrupts it (SIGINT) as soon as it catches that, which is before its work begins.
+/// Returns its exit code; 128 + signal if that ended it.
+[[nodiscard]] int interrupt_abbe(const std::vector<std::string>& arguments);
+
 /// A folder of its own for a test, removed with this object.
 class Folder {
  public:

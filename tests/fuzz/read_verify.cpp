@@ -83,6 +83,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   job.original_path = job.output_path = scratch.path;
   job.original_name = job.output_name = "fuzz.ngc";
 
-  for (const char* dialect : {"linuxcnc", "fanuc", "siemens"}) judge(scratch.path, job, dialect);
+  for (const char* dialect : {"linuxcnc", "fanuc", "siemens", "heidenhain"})
+    judge(scratch.path, job, dialect);
   return 0;
 }

@@ -111,6 +111,13 @@ INSTANTIATE_TEST_SUITE_P(
         Hazard{"h25_cutter_compensation", "kink", 3, {"4:1: error[E-CUTCOM]"}, {}},
         Hazard{"h26_stops_and_coolant", "kink", 0, {}, {}},
         Hazard{"h27_frame_of_the_block", "scale", 0, {}, {"--offset", "G55=X100,Y0,Z0"}},
+        Hazard{"h28_checksum", "offset", 3, {"4:10: error[E-EXPR]"}, {}},
+        Hazard{"h30_nurbs",
+               "offset",
+               3,
+               {"4:1: error[E-GCODE]", "5:7: error[E-WORD]", "6:7: error[E-WORD]", "7:7: error[E-WORD]",
+                "8:1: error[E-GCODE]"},
+               {}},
         Hazard{"h29_subprograms", "offset", 3, {"4:1: error[E-MCODE]", "6:1: error[E-MCODE]"}, {}},
         Hazard{"h29_called_once", "offset", 0, {}, {"--dialect", "fanuc"}},
         Hazard{"h29_called_twice", "offset", 3, {"7:1: error[E-OWORD]"}, {"--dialect", "fanuc"}}),
@@ -141,8 +148,8 @@ TEST(HazardLaws, IntegerWordsCountWhatTheFlagSays) {
 /// moved.
 TEST(HazardLaws, UnknownCodesAreRefusedOnEveryControl) {
   for (const char* dialect : {"linuxcnc", "fanuc", "haas", "grbl", "grblhal", "iso", "siemens"}) {
-    for (const char* name :
-         {"h17_variables", "h18_unknown_codes", "h25_cutter_compensation", "h29_subprograms"}) {
+    for (const char* name : {"h17_variables", "h18_unknown_codes", "h25_cutter_compensation", "h28_checksum",
+                             "h29_subprograms", "h30_nurbs"}) {
       const Outcome outcome = compensate(name, "offset", {"--dialect", dialect});
       EXPECT_EQ(outcome.run.exit, 3) << dialect << " " << name;
       EXPECT_FALSE(outcome.written);

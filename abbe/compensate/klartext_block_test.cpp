@@ -1,0 +1,154 @@
+// Lines of conversational programs: what becomes which word, where it stands, what is refused.
+
+#include "abbe/program/klartext_block.h"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+#include <vector>
+
+#include "abbe/machine/read_profile.h"
+
+namespace abbe {
+namespace {
+
+const Profile& heidenhain() { return *embedded_profile("heidenhain"); }
+
+/// "X10.5" for every word as the readers take it, or the code of the error.
+std::string words_of(const std::string& line, KlartextContext context = {}) {
+  Block block;
+  if (const auto error = read_klartext_block(line, heidenhain(), context, block)) return error->code;
+  std::string text;
+  for (int i = 0; i < block.count; ++i) {
+    const Word& word = block.words[static_cast<std::size_t>(i)];
+    const bool keyword = word.letter == 'G' && word.value >= static_cast<double>(Profile::kGCodes) / 10;
+    text += i == 0 ? "" : " ";
+    if (word.letter <= 'Z' && word.letter >= 'X' && (block.increments >> (word.letter - 'X') & 1) != 0)
+      text += 'I';
+    text += keyword ? g_name(heidenhain(), static_cast<std::size_t>(word.value * 10 + 0.5))
+                    : fmt::format("{}{:g}", word.letter, word.value);
+  }
+  return text;
+}
+
+TEST(KlartextBlock, MotionsBecomeCodesAndWords) {
+  EXPECT_EQ(words_of("12 L X+10.5 IZ-5,25 R0 F500 M3"), "G1 X10.5 IZ-5.25 G40 F500 M3");
+  EXPECT_EQ(words_of("L X-0.001 Y 7 FMAX M91"), "G0 X-0.001 Y7 G28");
+  EXPECT_EQ(words_of("13 L M8"), "G1 M8");
+  EXPECT_EQ(words_of("14 CC X+1 Y-2"), "I1 J-2");
+  EXPECT_EQ(words_of("15 C X+5 DR- F AUTO"), "G2 X5 DR AUTO");
+  EXPECT_EQ(words_of("16 C DR+"), "G3 DR");
+  EXPECT_EQ(words_of("17 CR X+5 IY+3 R-9 DR+ M9"), "G3 X5 IY3 R-9 DR M9");
+  EXPECT_EQ(words_of("18 L A+30 C-15 ; turn"), "G1 A30 C-15");
+}
+
+TEST(KlartextBlock, OtherBlocksAreUnderstood) {
+  EXPECT_EQ(words_of("0 BEGIN PGM 12 MM"), "G21");
+  EXPECT_EQ(words_of("0 BEGIN PGM MY PART INCH "), "G20");
+  EXPECT_EQ(words_of("9 END PGM 12 MM"), "M2");
+  EXPECT_EQ(words_of("3 TOOL CALL 5 Z S900 F100 DL+0"), "T5 M6 G43 S900 F100");
+  EXPECT_EQ(words_of("3 TOOL CALL 0 Z"), "T0 M6 G49");
+  EXPECT_EQ(words_of("3 TOOL CALL Z S3000"), "S3000");
+  EXPECT_EQ(words_of("8 CYCL DEF 7.1 X+5,5"), "CYCL7 X5.5");
+  EXPECT_EQ(words_of("8 CYCL DEF 32.1 T0.05"), "CYCL32");
+  EXPECT_EQ(words_of("8 CYCL DEF 247 PRESET Q339=+4 ;ROW"), "CYCL247 P4");
+  EXPECT_EQ(words_of("8 STOP M5"), "M0 M5");
+  for (const char* line : {"", ";TEXT", "4 * - HEADING", "4 BLK FORM 0.1 Z X-75 Y-140 Z-70", "5 LBL 1",
+                           "5 TOOL DEF 7", "6 CYCL DEF 7.0 NULLPUNKT", "7"})
+    EXPECT_EQ(words_of(line), "") << line;
+}
+
+TEST(KlartextBlock, WhatMayMoveOtherwiseIsRefused) {
+  const std::vector<std::pair<std::string, std::string>> refused = {{"L X+Q1", "E-EXPR"},
+                                                                    {"L X+10 FQ5", "E-EXPR"},
+                                                                    {"Q5 = 3", "E-EXPR"},
+                                                                    {"FN 0: Q5 = 3", "E-EXPR"},
+                                                                    {"L X+1 RL", "E-CUTCOM"},
+                                                                    {"L X+1 RR F500", "E-CUTCOM"},
+                                                                    {"CYCL DEF 200 X ~", "E-CYCLE"},
+                                                                    {"CYCL CALL M3", "E-CYCLE"},
+                                                                    {"CYCL DEF 7.1 #5", "E-FRAME"},
+                                                                    {"CYCL DEF 7.1 IX+5", "E-FRAME"},
+                                                                    {"CYCL DEF 10.0 DREHUNG", "E-FRAME"},
+                                                                    {"PLANE RESET STAY", "E-FRAME"},
+                                                                    {"CYCL DEF 4711", "E-CYCLE"},
+                                                                    {"CALL LBL 1", "E-OWORD"},
+                                                                    {"CALL PGM A.H", "E-OWORD"},
+                                                                    {"FUNCTION TCPM F TCP", "E-TCP"},
+                                                                    {"CP IPA+360 IZ-2 DR-", "E-GCODE"},
+                                                                    {"RND R5", "E-GCODE"},
+                                                                    {"CT X+1 Y+2", "E-GCODE"},
+                                                                    {"LN X+1 Y+2 Z+3 NX0 NY0 NZ1", "E-GCODE"},
+                                                                    {"C X+1 Y+2", "E-ARC"},
+                                                                    {"CR X+1 DR+", "E-ARC"},
+                                                                    {"CC", "E-ARC"},
+                                                                    {"CC IX+1 IY+1", "E-ARC"},
+                                                                    {"CC Y+1 Z+1", "E-ARC"},
+                                                                    {"C X+1 DR+ FMAX", "E-FEED"},
+                                                                    {"L IX+1 M91", "E-G53"},
+                                                                    {"L IC+5", "E-ROTARY"},
+                                                                    {"TOOL CALL 1 Y S5", "E-TOOL"},
+                                                                    {"TOOL CALL 1 Z DL+0.1", "E-TOOL"},
+                                                                    {"TOOL DEF 1 L+5 R+3", "E-TOOL"},
+                                                                    {"TOOL CALL \"A", "E-TOOL"},
+                                                                    {"BEGIN PGM A", "E-START"},
+                                                                    {"HELLO", "E-GCODE"},
+                                                                    {"%", "E-CHAR"},
+                                                                    {"L X1E5", "E-EXPR"},
+                                                                    {"L X+1Y+2", "E-EXPR"},
+                                                                    {"CYCL DEF 247 Q340=+1", "E-WCS"}};
+  for (const auto& [line, code] : refused) EXPECT_EQ(words_of("5 " + line), code) << line;
+}
+
+TEST(KlartextBlock, ABlockGoesOnBehindATilde) {
+  KlartextContext context;
+  Block block;
+  ASSERT_FALSE(read_klartext_block("7 CYCL DEF 247 PRESET ~", heidenhain(), context, block));
+  EXPECT_EQ(block.count, 0);
+  ASSERT_FALSE(read_klartext_block("  Q339=+3 ;ROW", heidenhain(), context, block));
+  EXPECT_TRUE(block.continues);
+  EXPECT_EQ(block.count, 2);
+  ASSERT_FALSE(read_klartext_block("; a text~", heidenhain(), context, block));
+  ASSERT_FALSE(read_klartext_block(" L X+5 of the text", heidenhain(), context, block));
+  EXPECT_EQ(block.count, 0);
+  ASSERT_FALSE(read_klartext_block("L X+5", heidenhain(), context, block));
+  EXPECT_EQ(block.count, 2);
+}
+
+// Any bytes: an answer, and words within the line.
+TEST(KlartextBlock, AnyBytesAreReadOrRefused) {
+  const std::vector<std::string> lines = {"12 L X+10.5 IZ-5,25 R0 F500 M3 ; c",
+                                          "CR X+5 IY+3 R-9 DR+ M9",
+                                          "3 TOOL CALL \"MILL 8\" Z S900 DL+0",
+                                          "8 CYCL DEF 247 P Q339=+4 ~",
+                                          "CC X+1 Y-2",
+                                          "C X+5 DR- F AUTO",
+                                          "0 BEGIN PGM 12 MM"};
+  std::mt19937 random(7);
+  Block block;
+  KlartextContext context;
+  for (int i = 0; i < 20000; ++i) {
+    std::string line = lines[random() % lines.size()];
+    for (unsigned k = 0; k < 1 + random() % 4; ++k) {
+      const std::size_t at = random() % line.size();
+      const auto kind = random() % 3;
+      if (kind == 0) line[at] = static_cast<char>(random() % 256);
+      if (kind == 1) line.erase(at, 1);
+      if (kind == 2) line.insert(at, 1, "()[]=\"/:;~_.+-X9"[random() % 16]);
+      if (line.empty()) line = " ";
+    }
+    if (read_klartext_block(line, heidenhain(), context, block)) continue;
+    ASSERT_LE(block.words_end, block.text.size()) << line;
+    for (int k = 0; k < block.count; ++k) {
+      const Word& word = block.words[static_cast<std::size_t>(k)];
+      ASSERT_LE(word.begin, word.number) << line;
+      ASSERT_LE(word.number, word.end) << line;
+      ASSERT_LE(word.end, block.text.size()) << line;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace abbe

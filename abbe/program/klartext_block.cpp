@@ -1,0 +1,504 @@
+#include "abbe/program/klartext_block.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+
+#include "abbe/core/number.h"
+
+namespace abbe {
+namespace {
+
+constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+constexpr bool is_letter(char c) { return c >= 'A' && c <= 'Z'; }
+constexpr std::size_t kLongestNumber = 24;
+constexpr std::size_t kMostDigitsOfBlock = 9;
+
+// Codes as the readers number them.
+constexpr double kRapid = 0, kLine = 1, kClockwise = 2, kCounterClockwise = 3, kInch = 20, kMm = 21,
+                 kMachinePlace = 28, kNoRadius = 40, kLength = 43, kNoLength = 49;
+
+BlockError not_literal(std::size_t at, std::size_t length, std::string_view said) {
+  return {"E-EXPR",
+          at,
+          std::max<std::size_t>(1, length),
+          fmt::format("{}: not a literal number", said),
+          "where the axes go depends on values that only the control knows when the program runs",
+          "post the program with literal numbers (Q parameters resolved)"};
+}
+
+/// One line on its way to a Block.
+class KlartextLine {
+ public:
+  KlartextLine(const Profile& profile, KlartextContext& context, Block& block)
+      : profile_(profile), context_(context), block_(block), text_(block.text) {}
+
+  std::optional<BlockError> read() {
+    const bool goes_on = context_.open;
+    take_tail();
+    skip_blanks();
+    if (goes_on) return read_continued();
+    context_.definition = nullptr;
+    if (const auto number = read_block_number(text_)) at_ = number->end;
+    skip_blanks();
+    if (at_ == end_) return std::nullopt;
+    if (text_[at_] == '*') {  // "* - heading"
+      block_.has_comment = true;
+      return std::nullopt;
+    }
+    const std::size_t begin = at_;
+    const std::string_view first = name();
+    block_.words_end = static_cast<std::uint16_t>(at_);
+    if (first == "L") return read_line_block(begin);
+    if (first == "C" || first == "CR") return read_arc(begin, first == "C");
+    if (first == "CC") return read_pole();
+    if (first == "TOOL") return read_tool(begin);
+    if (first == "CYCL" || first == "CYCLE") return read_cycle(begin);
+    if (first == "BEGIN" || first == "END") return read_frame_of_program(begin, first == "BEGIN");
+    if (first == "BLK" || first == "LBL") return copied();
+    if (first == "STOP") {
+      add('M', begin, begin, at_, 0);
+      return read_others();
+    }
+    at_ = begin;
+    if (first == "M") return read_others();
+    return strange(begin, first.size());
+  }
+
+ private:
+  // What stands behind ';' is a comment, a '~' at the end says that the block goes on.
+  void take_tail() {
+    end_ = text_.size();
+    while (end_ > 0 && is_blank(text_[end_ - 1])) --end_;
+    context_.open = end_ > 0 && text_[end_ - 1] == '~';
+    if (context_.open) --end_;
+    const std::size_t comment = text_.substr(0, end_).find(';');
+    if (comment != std::string_view::npos) {
+      block_.has_comment = true;
+      end_ = comment;
+    }
+    while (end_ > 0 && is_blank(text_[end_ - 1])) --end_;
+  }
+  void skip_blanks() {
+    while (at_ < end_ && is_blank(text_[at_])) ++at_;
+  }
+  std::string_view name() {
+    const std::size_t begin = at_;
+    while (at_ < end_ && is_letter(text_[at_])) ++at_;
+    return text_.substr(begin, at_ - begin);
+  }
+  std::optional<BlockError> copied() {
+    block_.has_comment = true;
+    at_ = end_;
+    return std::nullopt;
+  }
+
+  // A line behind '~': a parameter of the cycle that is defined, or more of a comment.
+  std::optional<BlockError> read_continued() {
+    if (context_.definition == nullptr) return copied();
+    return read_parameters();
+  }
+
+  /// The word at `begin` is not one of ours: what the profile says of it.
+  [[nodiscard]] BlockError strange(std::size_t begin, std::size_t length) const {
+    const std::string_view said = text_.substr(begin, std::max<std::size_t>(1, length));
+    const bool variable = (length == 1 && said[0] == 'Q') || (length == 2 && said[1] == 'Q');  // Q5, FQ5
+    if (variable) return not_literal(begin, length, said);
+    if (const Profile::Keyword* keyword = find_keyword(profile_, said))
+      return refused(*keyword, begin, length);
+    if (length == 0) {
+      const auto byte = static_cast<unsigned char>(said[0]);
+      return {"E-CHAR",
+              begin,
+              1,
+              fmt::format("byte 0x{:02X} where a word should begin", byte),
+              "what the block does is not known",
+              "remove it, or put it behind ';'"};
+    }
+    return {"E-GCODE",
+            begin,
+            length,
+            fmt::format("{} is not known to the {} profile", said, profile_.title),
+            "a word that is not understood may move the machine or change a frame",
+            "remove it, or post without it"};
+  }
+  [[nodiscard]] BlockError refused(const Profile::Keyword& keyword, std::size_t begin,
+                                   std::size_t length) const {
+    const CodeUse& use = profile_.g[keyword.index];
+    if (use.refusal == 0) {
+      return {"E-GCODE",
+              begin,
+              length,
+              fmt::format("{} in a form that is not known", keyword.name),
+              "what it does depends on what stands with it",
+              "remove it, or post without it"};
+    }
+    const CodeRefusal& refusal = profile_.refusals[use.refusal - 1U];
+    return {refusal.error.empty() ? "E-GCODE" : refusal.error.c_str(), begin,       length,
+            fmt::format("{} cannot be compensated", keyword.name),     refusal.why, refusal.fix};
+  }
+  [[nodiscard]] BlockError wrong(const char* code, std::size_t begin, std::string message, const char* why,
+                                 const char* fix) const {
+    return {code, begin, std::max<std::size_t>(1, end_ - std::min(end_, begin)), std::move(message),
+            why,  fix};
+  }
+
+  std::optional<BlockError> add(char letter, std::size_t begin, std::size_t number, std::size_t end,
+                                double value, int decimals = 0) {
+    if (block_.count == Block::kMaxWords)
+      return wrong("E-BLOCK", begin, fmt::format("more than {} words in one block", Block::kMaxWords),
+                   "no control accepts such a block", "break the block into several");
+    block_.words[static_cast<std::size_t>(block_.count++)] = {letter,
+                                                              true,
+                                                              static_cast<std::uint16_t>(begin),
+                                                              static_cast<std::uint16_t>(number),
+                                                              static_cast<std::uint16_t>(end),
+                                                              static_cast<std::uint16_t>(decimals),
+                                                              value};
+    return std::nullopt;
+  }
+  std::optional<BlockError> add_code(const Profile::Keyword& keyword, std::size_t begin, std::size_t end) {
+    return add('G', begin, begin, end, static_cast<double>(keyword.index) / 10);
+  }
+
+  // "+10.5", "-0,25": the comma counts as a point. The number begins at or behind at_.
+  std::optional<BlockError> read_value(char letter, std::size_t begin) {
+    skip_blanks();
+    std::array<char, kLongestNumber> digits{};
+    std::size_t n = 0;
+    bool comma = false;
+    while (at_ + n < end_ && n < digits.size()) {
+      const char c = text_[at_ + n];
+      if (!is_digit(c) && c != '.' && c != ',' && c != '+' && c != '-') break;
+      comma = comma || c == ',';
+      digits[n++] = c == ',' ? '.' : c;
+    }
+    const Decimal number = read_decimal({digits.data(), n});
+    const bool ends = at_ + n == end_ || is_blank(text_[at_ + n]);
+    if (number.length == 0 || number.length != n || !ends)
+      return not_literal(begin, at_ + n + 1 - begin,
+                         text_.substr(begin, std::min(end_, at_ + n + 1) - begin));
+    block_.style.comma = context_.comma = context_.comma || comma;
+    const std::size_t from = at_;
+    at_ += n;
+    return add(letter, begin, from, at_, number.value, number.decimals);
+  }
+
+  // X Y Z A B C, with I before X Y Z. False: something else stands here.
+  bool read_coordinate(std::optional<BlockError>& error) {
+    const std::size_t begin = at_;
+    const bool increment = at_ + 1 < end_ && text_[at_] == 'I';
+    const char letter = at_ < end_ ? text_[increment ? at_ + 1 : at_] : '\0';
+    const bool linear = letter >= 'X' && letter <= 'Z', turns = letter >= 'A' && letter <= 'C';
+    const std::size_t behind = begin + (increment ? 2 : 1);
+    if ((!linear && !turns) || (behind < end_ && is_letter(text_[behind]))) return false;
+    at_ = behind;
+    if (increment && turns) {
+      error = wrong("E-ROTARY", begin, "an increment of a rotary axis",
+                    "how it adds up with corrections and whole turns is not sure", "post the angle itself");
+      return true;
+    }
+    if (increment) block_.increments = static_cast<std::uint8_t>(block_.increments | 1U << (letter - 'X'));
+    error = read_value(letter, begin);
+    block_.words_end = static_cast<std::uint16_t>(at_);
+    return true;
+  }
+
+  // L: rapid if FMAX stands behind it.
+  std::optional<BlockError> read_line_block(std::size_t begin) {
+    if (auto error = add('G', begin, begin, at_, kLine)) return error;
+    if (auto error = read_coordinates()) return error;
+    return read_others();
+  }
+  std::optional<BlockError> read_coordinates() {
+    for (skip_blanks(); at_ < end_; skip_blanks()) {
+      std::optional<BlockError> error;
+      if (!read_coordinate(error)) break;
+      if (error) return error;
+    }
+    return std::nullopt;
+  }
+
+  std::optional<BlockError> read_arc(std::size_t begin, bool about_pole) {
+    if (auto error = add('G', begin, begin, at_, 0)) return error;
+    block_.pole = about_pole ? Block::Pole::used : Block::Pole::none;
+    if (auto error = read_coordinates()) return error;
+    if (!about_pole) {
+      const std::size_t radius = at_;
+      if (at_ >= end_ || text_[at_] != 'R')
+        return wrong("E-ARC", begin, "CR without R", "the path is not defined", "add the radius");
+      ++at_;
+      if (auto error = read_value('R', radius)) return error;
+      skip_blanks();
+    }
+    const std::size_t turn = at_;
+    const bool stands = text_.substr(at_, 2) == "DR" && at_ + 2 < end_ &&
+                        (text_[at_ + 2] == '+' || text_[at_ + 2] == '-') &&
+                        (at_ + 3 == end_ || is_blank(text_[at_ + 3]));
+    const Profile::Keyword* keyword = stands ? find_keyword(profile_, "DR") : nullptr;
+    if (keyword == nullptr)
+      return wrong("E-ARC", begin, "an arc without DR+ or DR- behind its end",
+                   "which way round it goes depends on the block before", "add it");
+    block_.words[0].value = text_[at_ + 2] == '-' ? kClockwise : kCounterClockwise;
+    at_ += 3;
+    if (auto error = add_code(*keyword, turn, at_)) return error;
+    return read_others();
+  }
+
+  std::optional<BlockError> read_pole() {
+    block_.pole = Block::Pole::set;
+    if (auto error = read_coordinates()) return error;
+    const bool both = block_.count == 2 && block_.words[0].letter == 'X' && block_.words[1].letter == 'Y';
+    if (!both || block_.increments != 0 || at_ < end_)
+      return wrong("E-ARC", 0, "a pole that is not CC X.. Y..",
+                   "where it is depends on the blocks before, or it lies in another plane",
+                   "post CC with X and Y as places, and nothing else");
+    block_.words[0].letter = 'I';
+    block_.words[1].letter = 'J';
+    return std::nullopt;
+  }
+
+  // R0, F, M and nothing else, up to the end.
+  std::optional<BlockError> read_others() {
+    for (skip_blanks(); at_ < end_; skip_blanks()) {
+      const std::size_t begin = at_;
+      const std::string_view word = name();
+      std::optional<BlockError> error;
+      if (word == "F" || word == "FMAX") {
+        error = read_feed(begin, word.size() > 1);
+      } else if (word == "M") {
+        error = read_value('M', begin);
+        Word& code = block_.words[static_cast<std::size_t>(block_.count) - 1];
+        if (!error && code.value == 91) error = make_machine_place(code);
+      } else if (word == "R" && at_ < end_ && text_[at_] == '0' &&
+                 (at_ + 1 == end_ || is_blank(text_[at_ + 1]))) {
+        error = add('G', begin, begin, ++at_, kNoRadius);
+      } else if (word == "S") {
+        error = read_value('S', begin);
+      } else {
+        error = strange(begin, word.size());
+      }
+      if (error) return error;
+    }
+    return std::nullopt;
+  }
+  // M91: the coordinates are the machine's own.
+  std::optional<BlockError> make_machine_place(Word& code) {
+    if (block_.increments != 0)
+      return wrong("E-G53", code.begin, "M91 with increments", "they count from the last M91 block",
+                   "write the places themselves");
+    code.letter = 'G';
+    code.value = kMachinePlace;
+    return std::nullopt;
+  }
+  std::optional<BlockError> read_feed(std::size_t begin, bool fastest) {
+    if (fastest) {
+      if (block_.count == 0 || block_.words[0].letter != 'G' || block_.words[0].value != kLine)
+        return wrong("E-FEED", begin, "FMAX on an arc", "whether the control obeys is not sure",
+                     "give the arc a feed");
+      block_.words[0].value = kRapid;
+      return std::nullopt;
+    }
+    skip_blanks();
+    if (text_.substr(at_, 4) != "AUTO") return read_value('F', begin);
+    const std::size_t automatic = at_;
+    const std::string_view word = name();
+    const Profile::Keyword* keyword = find_keyword(profile_, word);
+    if (keyword == nullptr || profile_.g[keyword->index].meaning != Meaning::copy)
+      return strange(automatic, word.size());
+    return add_code(*keyword, begin, at_);
+  }
+
+  std::optional<BlockError> read_tool(std::size_t begin) {
+    skip_blanks();
+    const std::string_view what = name();
+    if (what == "DEF") return read_tool_definition();
+    if (what != "CALL") return strange(begin, 4);
+    const std::size_t behind = at_;
+    skip_blanks();
+    const std::size_t tool = at_;
+    bool changes = false, none = false;
+    if (at_ < end_ && text_[at_] == '"') {
+      const std::size_t close = text_.substr(0, end_).find('"', at_ + 1);
+      if (close == std::string_view::npos)
+        return wrong("E-TOOL", tool, "the name of the tool has no end", "the tool is not known", "add '\"'");
+      at_ = close + 1;
+      changes = true;
+      if (auto error = add('T', tool, tool, at_, 0)) return error;
+    } else if (at_ < end_ && is_digit(text_[at_])) {
+      changes = true;
+      if (auto error = read_value('T', tool)) return error;
+      none = block_.words[0].value == 0;
+    }
+    if (changes) {
+      if (auto error = add('M', begin, begin, behind, 6)) return error;
+      if (auto error = add('G', begin, begin, behind, none ? kNoLength : kLength)) return error;
+    }
+    return read_tool_words();
+  }
+  std::optional<BlockError> read_tool_words() {
+    for (skip_blanks(); at_ < end_; skip_blanks()) {
+      const std::size_t begin = at_;
+      const std::string_view word = name();
+      std::optional<BlockError> error;
+      if (word == "Z") {
+        if (at_ < end_ && !is_blank(text_[at_])) error = strange(begin, 1);
+      } else if (word == "S" || word == "F") {
+        error = read_value(word[0], begin);
+      } else if (word == "DL" || word == "DR") {
+        error = read_oversize(begin);
+      } else {
+        error = wrong("E-TOOL", begin, "a word of TOOL CALL that is not understood",
+                      "the length of the tool, its axis or its radius may be another one",
+                      "write TOOL CALL n Z S.. F..");
+      }
+      if (error) return error;
+    }
+    return std::nullopt;
+  }
+  std::optional<BlockError> read_oversize(std::size_t begin) {
+    const int count = block_.count;
+    if (auto error = read_value('R', begin)) return error;
+    block_.count = count;
+    if (block_.words[static_cast<std::size_t>(count)].value == 0) return std::nullopt;
+    return wrong("E-TOOL", begin, "a tool with an allowance (DL, DR)",
+                 "its length is not that of the tool table", "put the length into the tool table");
+  }
+  std::optional<BlockError> read_tool_definition() {
+    skip_blanks();
+    while (at_ < end_ && is_digit(text_[at_])) ++at_;
+    if (at_ == end_) return copied();
+    return wrong("E-TOOL", at_, "TOOL DEF with data of the tool",
+                 "the length in the program would replace that of the tool table",
+                 "keep tools in the tool table, write TOOL DEF n");
+  }
+
+  std::optional<BlockError> read_frame_of_program(std::size_t begin, bool starts) {
+    skip_blanks();
+    const std::string_view whole = text_.substr(begin, end_ - begin);
+    const std::size_t last = whole.find_last_of(" \t");
+    const std::string_view unit = last == std::string_view::npos ? whole : whole.substr(last + 1);
+    if (name() != "PGM" || (unit != "MM" && unit != "INCH"))
+      return wrong("E-START", begin, "not BEGIN PGM name MM or INCH", "the unit of all numbers is not known",
+                   "write the block as the control does");
+    if (!starts) return add('M', begin, begin, end_, 2);
+    return add('G', begin, begin, end_, unit == "MM" ? kMm : kInch);
+  }
+
+  // "CYCL DEF 7.1 X+5", "CYCL DEF 247 DATUM SETTING ~".
+  std::optional<BlockError> read_cycle(std::size_t begin) {
+    skip_blanks();
+    if (const std::string_view what = name(); what != "DEF") {
+      if (what != "CALL") return strange(begin, at_ - begin);
+      return wrong("E-CYCLE", begin, "CYCL CALL", "the control makes the motions of the cycle itself",
+                   "post the holes and pockets as L, C and CR");
+    }
+    skip_blanks();
+    std::string cycle = "CYCL";
+    while (at_ < end_ && is_digit(text_[at_])) cycle += text_[at_++];
+    int part = -1;
+    if (at_ + 1 < end_ && text_[at_] == '.' && is_digit(text_[at_ + 1])) {
+      part = text_[at_ + 1] - '0';
+      at_ += 2;
+      if (at_ < end_ && is_digit(text_[at_])) return strange(begin, at_ - begin);
+    }
+    const Profile::Keyword* keyword = find_keyword(profile_, cycle);
+    const bool ends = at_ == end_ || is_blank(text_[at_]);
+    if (keyword == nullptr || !ends)
+      return wrong("E-CYCLE", begin, fmt::format("{} is not known to the {} profile", cycle, profile_.title),
+                   "a cycle that is not understood may move the machine or change a frame",
+                   "post without it");
+    const Meaning meaning = profile_.g[keyword->index].meaning;
+    if (meaning == Meaning::unknown) {
+      if (part <= 0) return refused(*keyword, begin, at_ - begin);
+      return copied();  // its first line was refused
+    }
+    if (part == 0) return copied();  // the title of the parts that follow
+    if (meaning == Meaning::copy || meaning == Meaning::smoothing) {
+      at_ = end_;
+      return add_code(*keyword, begin, end_);
+    }
+    if (meaning == Meaning::numbered_work_offset) {
+      context_.definition = keyword;
+      while (at_ < end_ && text_[at_] != 'Q') ++at_;
+      return read_parameters();
+    }
+    return read_shift(*keyword, begin);
+  }
+  std::optional<BlockError> read_shift(const Profile::Keyword& keyword, std::size_t begin) {
+    if (auto error = add_code(keyword, begin, at_)) return error;
+    if (auto error = read_coordinates()) return error;
+    if (block_.count == 2 && at_ == end_ && block_.increments == 0 && block_.words[1].letter >= 'X')
+      return std::nullopt;
+    return wrong("E-FRAME", begin, "a datum shift that is not CYCL DEF 7.n X.. (or Y, Z)",
+                 "a row of the datum table, an increment or an angle: the frame is not known",
+                 "write the shift of one axis in each line, in numbers");
+  }
+  // "Q339=+1": the preset that cycle 247 puts in force.
+  std::optional<BlockError> read_parameters() {
+    constexpr std::string_view kPreset = "Q339";
+    if (at_ == end_) return std::nullopt;
+    const std::size_t begin = at_;
+    std::size_t at = at_ + 1;
+    while (at < end_ && is_digit(text_[at])) ++at;
+    const std::string_view parameter = text_.substr(begin, at - begin);
+    at_ = at;
+    skip_blanks();
+    const bool assigned = at_ < end_ && text_[at_] == '=';
+    if (parameter != kPreset || !assigned)
+      return wrong("E-WCS", begin, "a parameter of CYCL DEF 247 that is not Q339=..",
+                   "the frame is not known", "write Q339=+1");
+    ++at_;
+    if (auto error = add_code(*context_.definition, begin, at)) return error;
+    if (auto error = read_value('P', begin)) return error;
+    skip_blanks();
+    if (at_ == end_) return std::nullopt;
+    return strange(at_, 0);
+  }
+
+  const Profile& profile_;
+  KlartextContext& context_;
+  Block& block_;
+  std::string_view text_;
+  std::size_t at_ = 0, end_ = 0;
+};
+
+}  // namespace
+
+std::optional<BlockNumber> read_block_number(std::string_view line) {
+  BlockNumber number;
+  while (number.begin < line.size() && is_blank(line[number.begin])) ++number.begin;
+  for (number.end = number.begin; number.end < line.size() && is_digit(line[number.end]); ++number.end)
+    number.value = 10 * number.value + static_cast<unsigned long>(line[number.end] - '0');
+  if (number.end == number.begin || number.end - number.begin > kMostDigitsOfBlock) return std::nullopt;
+  return number;
+}
+
+std::optional<BlockError> read_klartext_block(std::string_view line, const Profile& profile,
+                                              KlartextContext& context, Block& block) {
+  block.text = without_eol(line);
+  block.eol = line.substr(block.text.size());
+  block.slash = block.percent = block.has_comment = block.has_semicolon = false;
+  block.slash_begin = block.slash_end = block.words_end = 0;
+  block.count = 0;
+  block.pole = Block::Pole::none;
+  block.increments = 0;
+  block.continues = context.open;
+  block.style = {true, context.comma};
+  if (block.text.size() > kMaxBlockBytes) {
+    return BlockError{
+        "E-LINELEN",
+        kMaxBlockBytes,
+        1,
+        fmt::format("the line has {} bytes, {} is the limit", block.text.size(), kMaxBlockBytes),
+        "longer lines are not read",
+        "break the block into two"};
+  }
+  return KlartextLine(profile, context, block).read();
+}
+
+}  // namespace abbe

@@ -1,0 +1,386 @@
+// Lines of conversational programs. A line is cut into items at its blanks; the first says what the block
+// does, and every other one must have a place in it.
+#include "abbe/verify/klartext_words.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "abbe/core/number.h"
+#include "abbe/verify/word_taker.h"
+
+namespace abbe::verifying {
+namespace {
+
+constexpr std::string_view kBlanks = " \t\r";
+constexpr std::string_view kDigits = "0123456789";
+
+std::string_view stripped(std::string_view text) {
+  const auto begin = text.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return {};
+  return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
+}
+
+bool goes_on(std::string_view line) {
+  const std::string_view said = stripped(line);
+  return !said.empty() && said.back() == '~';
+}
+
+bool begins(std::string_view text, std::string_view with) { return text.substr(0, with.size()) == with; }
+
+class KlartextScanner : public WordTaker {
+ public:
+  using WordTaker::WordTaker;
+
+  bool scan(Continued continued) {
+    long number = -1;
+    std::string_view rest = continued.open ? line_ : behind_block_number(line_, number);
+    rest = stripped(rest);
+    if (!rest.empty() && rest.back() == '~') rest.remove_suffix(1);
+    const auto semicolon = rest.find(';');
+    if (rest.substr(0, 1) == "*" || semicolon == 0 || (continued.open && !continued.preset))
+      return keep_text(stripped(rest));
+    if (semicolon != std::string_view::npos) {
+      if (!keep_text(stripped(rest.substr(semicolon)))) return false;
+      rest = rest.substr(0, semicolon);
+    }
+    rest = stripped(rest);
+    if (rest.empty()) return true;
+    whole_ = rest;
+    if (!cut(rest)) return false;
+    return continued.open ? preset(0) : block();
+  }
+
+ private:
+  static constexpr std::size_t kMostItems = 40;
+
+  bool keep_text(std::string_view text) {
+    if (text.empty()) return true;
+    block_.comments[static_cast<std::size_t>(block_.comment_count++)] = text;
+    return true;
+  }
+  /// The column of an item, from 1; at_ is put behind it.
+  std::size_t column(std::string_view item) {
+    const auto begin = static_cast<std::size_t>(item.data() - line_.data());
+    at_ = begin + item.size();
+    return begin + 1;
+  }
+  bool bad(std::string_view item, const char* code, std::string message, const char* why, const char* fix) {
+    const std::size_t place = column(item);
+    return refuse(fault_, place, std::max<std::size_t>(1, item.size()), code, std::move(message), why, fix);
+  }
+  bool cut(std::string_view rest) {
+    for (std::size_t at = 0; at < rest.size();) {
+      at = rest.find_first_not_of(kBlanks, at);
+      if (at == std::string_view::npos) break;
+      const std::size_t end = std::min(rest.size(), rest.find_first_of(kBlanks, at));
+      if (count_ == kMostItems)
+        return bad(rest.substr(at, 1), "E-BLOCK", "too many words in a block",
+                   "no control accepts such a block", "use two blocks");
+      items_[count_++] = rest.substr(at, end - at);
+      at = end;
+    }
+    return true;
+  }
+  [[nodiscard]] std::string_view item(std::size_t i) const {
+    return i < count_ ? items_[i] : std::string_view();
+  }
+
+  bool block() {
+    const std::string_view first = items_[0];
+    if (first == "L") return line();
+    if (first == "C") return arc(false);
+    if (first == "CR") return arc(true);
+    if (first == "CC") return pole();
+    if (first == "TOOL" && item(1) == "CALL") return tool_call();
+    if (first == "TOOL" && item(1) == "DEF") {
+      const bool number_only = count_ == 3 && item(2).find_first_not_of(kDigits) == std::string_view::npos;
+      return number_only ? keep_text(whole_)
+                         : bad(first, "E-TOOL", "TOOL DEF that is more than a number",
+                               "tools of the program differ from those of the table", "use the tool table");
+    }
+    if ((first == "CYCL" || first == "CYCLE") && item(1) == "DEF") return definition();
+    if (first == "CYCL" && item(1) == "CALL")
+      return bad(first, "E-CYCLE", "a call of a cycle", "the control makes its motions",
+                 "post lines and arcs");
+    if ((first == "BEGIN" || first == "END") && item(1) == "PGM") return limit(first);
+    if (first == "BLK" || first == "LBL") return keep_text(whole_);
+    if (first == "STOP") {
+      column(first);
+      return m_word(0, 1) && functions(1);
+    }
+    if (first[0] == 'M') return functions(0);
+    return unknown(first);
+  }
+
+  bool unknown(std::string_view said) {
+    std::size_t length = 0;
+    while (length < said.size() && said[length] >= 'A' && said[length] <= 'Z') ++length;
+    const std::string_view name = said.substr(0, length);
+    column(said);
+    if (const Profile::Keyword* word = find_keyword(profile_, name);
+        word != nullptr && profile_.g[word->index].refusal != 0)
+      return keyword(*word, name, column(said));
+    if (name == "Q")
+      return bad(said, "E-EXPR", "variables are not read", "their value is known only to the control",
+                 "post the program with literal numbers");
+    return bad(said, "E-GCODE", fmt::format("{} is not understood for {}", said, profile_.title),
+               "an unknown word may move the machine or change its state", "post the program without it");
+  }
+
+  /// A literal number that is the whole of `digits`, with a point or a comma. `of`: the item it belongs to.
+  bool number(std::string_view digits, std::string_view of, double& value) {
+    std::string text(digits.substr(0, 40));
+    std::replace(text.begin(), text.end(), ',', '.');
+    const Decimal read = read_decimal(text);
+    if (read.length == 0 || read.length != digits.size())
+      return bad(of, "E-EXPR", fmt::format("{} has no literal number", of),
+                 "its value is known only to the control", "post the program with literal numbers");
+    value = read.value;
+    if (std::abs(value) <= kMaxNumber) return true;
+    return bad(of, "E-NUMBER", "the number is too large", "no machine goes there", "correct the number");
+  }
+
+  /// Coordinates from item i on, which becomes the first that is none.
+  bool coordinates(std::size_t& i, std::string_view letters) {
+    for (; i < count_; ++i) {
+      std::string_view said = items_[i];
+      const bool distance = said[0] == 'I';
+      if (distance) said.remove_prefix(1);
+      const bool named = !said.empty() && letters.find(said[0]) != std::string_view::npos &&
+                         (said.size() == 1 || said[1] < 'A' || said[1] > 'Z');
+      if (!named) return true;
+      const char letter = said[0];
+      std::string_view digits = said.substr(1);
+      if (digits.empty()) digits = item(++i);
+      double value = 0;
+      if (!number(digits, said, value)) return false;
+      if (distance) {
+        if (letter < 'X')
+          return bad(said, "E-ROTARY", "an increment of a rotary axis", "its whole turns are not sure",
+                     "post the angle itself");
+        block_.increments |= std::uint32_t{1} << (letter - 'X');
+      }
+      if (!value_word(letter, value, column(said), false)) return false;
+    }
+    return true;
+  }
+
+  bool line() {
+    std::size_t i = 1;
+    if (!coordinates(i, "XYZABC")) return false;
+    const bool rapid = std::find(items_.begin() + static_cast<std::ptrdiff_t>(i),
+                                 items_.begin() + static_cast<std::ptrdiff_t>(count_),
+                                 "FMAX") != items_.begin() + static_cast<std::ptrdiff_t>(count_);
+    return g_word(rapid ? 0 : 1, column(items_[0])) && functions(i, true);
+  }
+
+  bool arc(bool by_radius) {
+    std::size_t i = 1;
+    if (!coordinates(i, "XYZ")) return false;
+    if (by_radius) {
+      double radius = 0;
+      if (item(i).substr(0, 1) != "R")
+        return bad(items_[0], "E-ARC", "CR without its radius", "no arc is defined", "add R");
+      std::string_view digits = items_[i].substr(1);
+      if (digits.empty()) digits = item(++i);
+      if (!number(digits, items_[0], radius) || !value_word('R', radius, column(items_[0]), false))
+        return false;
+      ++i;
+    } else {
+      block_.pole = Block::Pole::used;
+    }
+    const std::string_view sense = item(i);
+    if (sense != "DR+" && sense != "DR-")
+      return bad(items_[0], "E-ARC", "the sense of the arc is not stated with its end",
+                 "it depends on the blocks before", "write DR+ or DR-");
+    return g_word(sense == "DR-" ? 2 : 3, column(items_[0])) && functions(i + 1);
+  }
+
+  bool pole() {
+    std::size_t i = 1;
+    const bool read = coordinates(i, "XY");
+    if (!read) return false;
+    constexpr Letters both = letters('X', 'Y');
+    if (i != count_ || block_.words != both || block_.increments != 0)
+      return bad(items_[0], "E-ARC", "CC is read with X and Y as places only",
+                 "the pole depends on the blocks before otherwise", "write CC X.. Y..");
+    block_.pole = Block::Pole::set;
+    return true;
+  }
+
+  /// R0, F, FMAX (of L), F AUTO, S, M from item i on.
+  bool functions(std::size_t i, bool may_be_rapid = false) {
+    for (; i < count_; ++i) {
+      const std::string_view said = items_[i];
+      double value = 0;
+      if (said == "R0") {
+        if (!g_word(40, column(said))) return false;
+      } else if (said == "FMAX" && may_be_rapid) {
+        continue;
+      } else if (said == "FMAX") {
+        return bad(said, "E-FEED", "FMAX on an arc", "the control may not obey", "give a feed");
+      } else if (said == "FAUTO" || (said == "F" && item(i + 1) == "AUTO")) {
+        const Profile::Keyword* word = find_keyword(profile_, "AUTO");
+        if (word == nullptr) return unknown(said);
+        if (said == "F") ++i;
+        if (!keyword(*word, "AUTO", column(said))) return false;
+      } else if (said[0] == 'F' || said[0] == 'S' || said[0] == 'M') {
+        std::string_view digits = said.substr(1);
+        if (!digits.empty() && digits[0] >= 'A' && digits[0] <= 'Z' && digits[0] != 'Q') return unknown(said);
+        if (digits.empty()) digits = item(++i);
+        if (!number(digits, said, value)) return false;
+        if (said[0] == 'M' ? !function(value, said) : !value_word(said[0], value, column(said), false))
+          return false;
+      } else {
+        return unknown(said);
+      }
+    }
+    return true;
+  }
+  bool function(double code, std::string_view said) {
+    constexpr double machine_places = 91;
+    if (code != machine_places) return m_word(code, column(said));
+    if (block_.increments != 0)
+      return bad(said, "E-G53", "increments with M91", "they count from another block", "write places");
+    return g_word(28, column(said));  // a way to a place of the machine's own
+  }
+
+  bool tool_call() {
+    std::size_t i = 2;
+    const std::string_view tool = item(2);
+    if (!tool.empty() && tool[0] == '"') {
+      const auto open = static_cast<std::size_t>(tool.data() - line_.data());
+      const auto close = line_.find('"', open + 1);
+      const auto whole_end = static_cast<std::size_t>(whole_.data() - line_.data()) + whole_.size();
+      if (close == std::string_view::npos || close >= whole_end)
+        return bad(tool, "E-TOOL", "a tool's name that does not end", "the tool is not known", "close it");
+      block_.tool_name = line_.substr(open + 1, close - open - 1);
+      while (i < count_ && static_cast<std::size_t>(items_[i].data() - line_.data()) <= close) ++i;
+      at_ = close + 1;
+      if (!value_word('T', 0, open + 1, false) || !m_word(6, 1) || !g_word(43, 1)) return false;
+    } else if (!tool.empty() && kDigits.find(tool[0]) != std::string_view::npos) {
+      double value = 0;
+      if (!number(tool, tool, value) || !value_word('T', value, column(tool), false) || !m_word(6, 1) ||
+          !g_word(value == 0 ? 49 : 43, 1))
+        return false;
+      ++i;
+    }
+    for (; i < count_; ++i) {
+      const std::string_view said = items_[i];
+      double value = 0;
+      if (said == "Z") continue;
+      const bool allowance = begins(said, "DL") || begins(said, "DR");
+      if (!allowance && said[0] != 'S' && said[0] != 'F')
+        return bad(said, "E-TOOL", fmt::format("{} in TOOL CALL", said), "the tool may be another one",
+                   "write TOOL CALL n Z S.. F..");
+      std::string_view digits = said.substr(allowance ? 2 : 1);
+      if (digits.empty()) digits = item(++i);
+      if (!number(digits, said, value)) return false;
+      if (allowance && value != 0)
+        return bad(said, "E-TOOL", "an allowance of the tool", "its length is not that of the table",
+                   "put it into the table");
+      if (!allowance && !value_word(said[0], value, column(said), false)) return false;
+    }
+    return true;
+  }
+
+  bool limit(std::string_view first) {
+    const std::string_view unit = items_[count_ - 1];
+    if (count_ < 3 || (unit != "MM" && unit != "INCH"))
+      return bad(first, "E-START", "the unit of the program is not stated",
+                 "its numbers mean nothing without", "write BEGIN PGM name MM or INCH");
+    if (first == "END") return m_word(2, column(first));
+    return g_word(unit == "MM" ? 21 : 20, column(first));
+  }
+
+  bool definition() {
+    const std::string_view number_and_part = item(2);
+    const auto point = number_and_part.find('.');
+    const std::string_view cycle = number_and_part.substr(0, point);
+    const std::string_view part =
+        point == std::string_view::npos ? std::string_view("-") : number_and_part.substr(point + 1);
+    const Profile::Keyword* word = find_keyword(profile_, "CYCL" + std::string(cycle));
+    const bool understood = word != nullptr && !cycle.empty() &&
+                            cycle.find_first_not_of(kDigits) == std::string_view::npos && part.size() == 1;
+    if (!understood)
+      return bad(items_[0], "E-CYCLE", "a cycle that is not known", "it may move the machine or its frame",
+                 "post without it");
+    const Meaning meaning = profile_.g[word->index].meaning;
+    if (meaning == Meaning::unknown) return keyword(*word, whole_, column(items_[0]));
+    if (part == "0") return keep_text(whole_);
+    if (meaning == Meaning::copy || meaning == Meaning::smoothing)
+      return keyword(*word, whole_, column(items_[0]));
+    if (meaning == Meaning::numbered_work_offset) {
+      std::size_t i = 3;
+      while (i < count_ && items_[i][0] != 'Q') ++i;
+      return i == count_ || preset(i);
+    }
+    std::size_t i = 3;
+    if (!coordinates(i, "XYZ")) return false;
+    const bool one = block_.words != 0 && (block_.words & (block_.words - 1)) == 0;
+    if (i != count_ || !one || block_.increments != 0 || meaning != Meaning::local_shift)
+      return bad(items_[0], "E-FRAME", "a datum shift of another form", "the frame is not known",
+                 "shift one axis a line, by a number");
+    return keyword(*word, "", column(items_[0]));
+  }
+
+  /// "Q339=+1", "Q339 = +1".
+  bool preset(std::size_t i) {
+    std::string said;
+    for (std::size_t k = i; k < count_; ++k) said += items_[k];
+    const Profile::Keyword* word = find_keyword(profile_, "CYCL247");
+    if (word == nullptr || !begins(said, "Q339="))
+      return bad(item(i), "E-WCS", "cycle 247 without Q339", "the frame is not known", "write Q339=+1");
+    const std::string digits = said.substr(5);
+    const Decimal read = read_decimal(digits);
+    if (read.length == 0 || read.length != digits.size())
+      return bad(item(i), "E-EXPR", "Q339 is no literal number", "the frame is not known", "write Q339=+1");
+    return value_word('P', read.value, column(item(i)), false) && keyword(*word, "", column(item(i)));
+  }
+
+  std::string_view whole_;
+  std::array<std::string_view, kMostItems> items_;
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+std::string_view behind_block_number(std::string_view line, long& number) {
+  number = -1;
+  const auto begin = line.find_first_not_of(kBlanks);
+  if (begin == std::string_view::npos) return {};
+  const auto end = std::min(line.size(), line.find_first_not_of(kDigits, begin));
+  if (end == begin || end - begin > 9) return line.substr(begin);
+  number = 0;
+  for (std::size_t i = begin; i < end; ++i) number = 10 * number + (line[i] - '0');
+  return stripped(line.substr(end));
+}
+
+Continued continued_after(std::string_view line, Continued before) {
+  Continued after;
+  after.open = goes_on(line);
+  if (!after.open) return after;
+  if (before.open) {
+    after.preset = before.preset;
+    return after;
+  }
+  long number = 0;
+  const std::string_view words = behind_block_number(line, number);
+  after.preset = begins(words, "CYCL DEF 247");
+  return after;
+}
+
+bool read_klartext_words(std::string_view line, const Profile& profile, Continued continued, Block& block,
+                         Fault& fault, std::span<const TcpCode> tcp_codes) {
+  block.tool_name = {};
+  if (line.size() > profile.text.block_bytes)
+    return refuse(fault, profile.text.block_bytes + 1, 1, "E-LINELEN",
+                  fmt::format("the line has {} bytes, {} are read", line.size(), profile.text.block_bytes),
+                  "longer lines are not read", "shorten the line");
+  return KlartextScanner(line, 0, profile, block, fault, tcp_codes).scan(continued);
+}
+
+}  // namespace abbe::verifying

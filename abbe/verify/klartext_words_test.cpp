@@ -1,0 +1,186 @@
+// Conversational programs, as the verifying reader sees them: whatever changes is found.
+#include "abbe/verify/klartext_words.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <string>
+#include <vector>
+
+#include "abbe/machine/read_profile.h"
+#include "abbe/verify/test_programs.h"
+
+namespace abbe::verifying {
+namespace {
+
+const char* const kProgram =
+    "0 BEGIN PGM TEST MM\n"
+    "1 ; start\n"
+    "2 BLK FORM 0.1 Z X+0 Y+0 Z-10\n"
+    "3 TOOL CALL \"MILL 10\" Z S1000\n"
+    "4 CYCL DEF 7.0 DATUM SHIFT\n"
+    "5 CYCL DEF 7.1 X+5\n"
+    "6 L X+10 Y+20 R0 FMAX M3\n"
+    "7 L Z+50 FMAX\n"
+    "8 L IZ-40 F500 M8\n"
+    "9 CC X+20 Y+20\n"
+    "10 C X+20 Y+10 DR+\n"
+    "11 C DR-\n"
+    "12 CR X+40 Y+15 R+30 DR-\n"
+    "13 CYCL DEF 32.1 T0.01\n"
+    "14 L X+60,5 F AUTO M9\n"
+    "15 L Z+80 FMAX\n"
+    "16 CYCL DEF 7.1 X+0\n"
+    "17 CYCL DEF 247 PRESET ~\n"
+    "  Q339=+5 ;ROW\n"
+    "18 L Z-1 R0 FMAX M91\n"
+    "19 LBL 1\n"
+    "20 STOP\n"
+    "21 M30\n"
+    "22 LBL 2\n"
+    "23 END PGM TEST MM\n";
+
+VerifyJob heidenhain_job() {
+  VerifyJob job = ideal_job();
+  job.setup.profile = embedded_profile("heidenhain");
+  job.setup.tools[1] = ToolEntry{1, 1, {0, 0, 100}, 100.0, 10, "name=\"MILL 10\""};
+  job.setup.tools[2] = ToolEntry{2, 2, {0, 0, 100}, 100.0, 10, "name=\"MILL 11\""};
+  job.setup.further_offsets[5] = job.setup.further_offsets[6] = WorkOffset{};
+  return job;
+}
+
+VerifyReport compared(const std::string& output, const std::string& original = kProgram) {
+  return verify(plan_of("format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z t\"\n"), original, output,
+                heidenhain_job());
+}
+
+std::string changed(const std::string& from, const std::string& to) {
+  std::string text = kProgram;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+TEST(KlartextWords, TheSameProgramAgrees) {
+  const VerifyReport report = compared(kProgram);
+  EXPECT_TRUE(report.agrees) << texts(report);
+  EXPECT_GT(report.events, 15U);
+  EXPECT_EQ(report.feed_motions, 5U);
+}
+
+TEST(KlartextWords, OtherWaysOfSayingTheSameAgree) {
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {"X+60,5", "X60.500"},
+           {"IZ-40", "Z+10"},
+           {"9 CC X+20 Y+20\n", "CC X+20 Y+20\n"},
+           {"10 C X+20 Y+10 DR+\n", "C X+20 Y+10 DR+\nCC X+20 Y+20\n"}})
+    EXPECT_TRUE(compared(changed(from, to)).agrees) << to << texts(compared(changed(from, to)));
+}
+
+TEST(KlartextWords, WhateverChangesIsFound) {
+  const std::vector<std::pair<std::string, std::string>> changes = {
+      {"; start", "; Start"},
+      {"BLK FORM 0.1 Z X+0", "BLK FORM 0.1 Z X+1"},
+      {"\"MILL 10\"", "\"MILL 11\""},
+      {"S1000", "S100"},
+      {"7.1 X+5", "7.1 X+6"},
+      {"7.1 X+5", "7.2 Y+5"},
+      {" R0", ""},
+      {" M3", ""},
+      {" M3", " M4"},
+      {"FMAX M3", "F500 M3"},
+      {"IZ-40", "Z-40"},
+      {"IZ-40", "IZ-41"},
+      {"IZ-40", "IZ+40"},
+      {"F500", "F5000"},
+      {"F500", "FMAX"},
+      {" F500", ""},
+      {"CC X+20", "CC X+21"},
+      {"C X+20 Y+10 DR+", "C X+20 Y+10 DR-"},
+      {"C X+20 Y+10 DR+", "L X+20 Y+10"},
+      {"11 C DR-", "11 C DR+"},
+      {"11 C DR-\n", ""},
+      {"R+30", "R-30"},
+      {"R+30", "R+31"},
+      {"CR X+40 Y+15 R+30 DR-", "CR X+40 Y+15 R+30 DR+"},
+      {"T0.01", "T0.1"},
+      {"X+60,5", "X+60,6"},
+      {" F AUTO", ""},
+      {" M9", ""},
+      {"Q339=+5", "Q339=+6"},
+      {"L Z-1 R0 FMAX M91", "L Z-1 R0 FMAX"},
+      {"L Z-1 R0 FMAX M91", "L Z-2 R0 FMAX M91"},
+      {"LBL 1", "LBL 3"},
+      {"20 STOP\n", ""},
+      {"M30", "M2"},
+      {"LBL 2", "LBL 4"},
+      {"8 L", "7 L"},
+      {"PGM TEST MM\n1", "PGM TEST INCH\n1"}};
+  for (const auto& [from, to] : changes)
+    EXPECT_FALSE(compared(changed(from, to)).agrees) << from << " became " << to;
+}
+
+TEST(KlartextWords, NumbersOfBlocksMayGrow) {
+  EXPECT_TRUE(compared(changed("23 END", "77 END")).agrees);
+  EXPECT_TRUE(compared(changed("22 LBL 2", "22  LBL 2")).agrees);
+}
+
+TEST(KlartextWords, WhatIsNotUnderstoodIsRefused) {
+  for (const char* line : {"L X+Q1",
+                           "L X+10 RL",
+                           "CYCL DEF 200 ~",
+                           "CYCL CALL",
+                           "L X+1 M99",
+                           "CALL LBL 1",
+                           "PLANE RESET STAY",
+                           "CP IPA+30 DR+",
+                           "CC IX+1 IY+2",
+                           "CC X+1",
+                           "C X+1 Y+2",
+                           "C X+30 Y+20 DR+ FMAX",
+                           "CYCL DEF 7.1 #3",
+                           "CYCL DEF 7.1 IX+3",
+                           "L X+1Y+2",
+                           "FN 0: Q1 = 5",
+                           "TOOL DEF 3 L+5 R+1",
+                           "TOOL CALL 1 Z DL+0.1",
+                           "TOOL CALL 1 X",
+                           "L IX+1 M91",
+                           "L X+1 M128",
+                           "CR X+1 Y+2 DR+",
+                           "HELLO",
+                           "/ L X+1",
+                           "L X+1 FU0.1"}) {
+    const std::string program = changed("14 L X", "14 " + std::string(line) + "\n15 L X");
+    EXPECT_FALSE(compared(program, program).agrees) << line;
+  }
+}
+
+// Any bytes: the reader answers, and does not leave the line.
+TEST(KlartextWords, AnyBytesAreReadOrRefused) {
+  std::mt19937 random(11);
+  const std::string text = kProgram;
+  std::vector<std::string> lines;
+  for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1)
+    lines.push_back(text.substr(at, text.find('\n', at) - at));
+  Block block;
+  Fault fault;
+  for (int i = 0; i < 20000; ++i) {
+    std::string line = lines[random() % lines.size()];
+    for (unsigned k = 0; k < 1 + random() % 4 && !line.empty(); ++k) {
+      const std::size_t at = random() % line.size();
+      if (random() % 2 == 0)
+        line[at] = static_cast<char>(random() % 256);
+      else
+        line.insert(at, 1, "ICLRFQM;~\"=,+- 9"[random() % 16]);
+    }
+    const Continued before{random() % 2 == 0, random() % 2 == 0};
+    (void)continued_after(line, before);
+    if (read_block(line, *embedded_profile("heidenhain"), block, fault, {}, before)) continue;
+    ASSERT_STRNE(fault.code, "");
+    ASSERT_LE(fault.column, line.size() + 1) << line;
+  }
+}
+
+}  // namespace
+}  // namespace abbe::verifying

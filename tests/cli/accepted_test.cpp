@@ -1,0 +1,151 @@
+// Programs as post-processors write them for controls of which few are public: none of them may be refused.
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tests/cli/run_program.h"
+
+namespace abbe::cli {
+namespace {
+
+constexpr const char* kThreeAxes = R"(format = 1
+[machine]
+name = "mill"
+chain = "w b X Y Z t"
+[axis.X]
+[axis.Y]
+[axis.Z]
+[errors]
+EXX = { poly = [0, 0.2, 1e-5] }
+EYX = { poly = [0, 0.1, 2e-5] }
+EC0Y = 20
+)";
+
+constexpr const char* kTiltingTable = R"(format = 1
+[machine]
+name = "table table"
+chain = "w C A X b Y Z t"
+[axis.X]
+errors_seen = "body"
+[axis.Y]
+[axis.Z]
+[axis.A]
+direction = [-1, 0, 0]
+[axis.C]
+direction = [0, 0, -1]
+[control]
+mode = "tcp"
+[errors]
+EYX = { poly = [0, 0.02, 1e-5] }
+EA0Z = 20
+)";
+
+constexpr const char* kSiemens = R"(%_N_POCKET_MPF
+;$PATH=/_N_WKS_DIR/_N_PART_WPD
+N10 G17 G40 G60 G90 G94 G710
+N20 MSG("roughing, end mill 10 mm")
+N30 T="MILL_D10"
+N40 M6
+N50 D1 S6000 M3
+N60 G54
+N70 G0 X-20 Y-15
+N80 G0 Z50
+N90 Z2 M8
+N100 G1 Z-3.5 F300
+N110 X120.25 F1200
+N120 G3 X130.25 Y-5 I0 J10
+N130 G1 Y60
+N140 G2 X120.25 Y70 CR=10
+N150 G1 X-10 Y72.125 Z-3.8
+N160 G64
+N170 TRANS X150 Y20
+N180 G0 X0 Y0
+N190 G1 X30 Y12.5
+N200 AROT Z15
+N205 G0 X45 Y0
+N210 G1 Z-3
+N220 G3 X45 Y0 I-15 J0
+N230 ROT
+N240 TRANS
+N245 G0 X0 Y0
+N250 G1 Z-1
+N260 G91 X2.5 Y-1
+N270 G90 G0 Z50 M9
+N280 MSG()
+N290 M5
+N300 SUPA G0 Z0 D0
+N310 M30
+)";
+
+constexpr const char* kSiemensFiveAxes = R"(N10 G17 G40 G90 G94 G710
+N20 T="BALL_D8" M6
+N30 D1 S12000 M3
+N40 G54
+N50 G0 A0 C0
+N60 TRAORI
+N70 G0 X0 Y0 Z50
+N80 G1 X0 Y0 Z0 F800
+N90 G1 X10 Y2 Z-1 A-10 C20
+N100 X20 Y3 Z-1.5 A-12.5 C24.25
+N110 X30 Y3.5 Z-1.25 A-14 C30
+N120 G0 Z50
+N130 TRAFOOF
+N140 M30
+)";
+
+constexpr const char* kIso = R"(%
+O1234
+N10 G17 G71 G90 G94
+N20 G54
+N30 T3 M6
+N40 G0 X-20. Y-15. Z50. S6000 M3
+N50 Z2. M8
+N60 G1 Z-3.5 F300.
+N70 X120.25 F1200.
+N80 G3 X130.25 Y-5. I0 J10.
+N90 G1 Y60.
+N100 G2 X120.25 Y70. I-10. J0
+(finishing)
+N110 G1 X-10. Y72.125 Z-3.8
+N120 G91 X2.5 Y-1.
+N130 G90 G0 Z50. M9
+N140 M5
+N150 M30
+%
+)";
+
+struct Written {
+  const char *name, *dialect, *machine, *program, *start;
+  double before_um;  ///< at least
+};
+
+class PostedPrograms : public ::testing::TestWithParam<Written> {};
+
+TEST_P(PostedPrograms, AreCompensated) {
+  const Folder folder;
+  folder.put("tool.tbl",
+             "T1 P1 Z100 D10 ;name=\"MILL_D10\"\nT2 P2 Z120 D8 ;name=\"BALL_D8\"\nT3 P3 Z90 D12\n");
+  folder.put("m.toml", GetParam().machine);
+  folder.put("part.nc", GetParam().program);
+  const auto run =
+      run_abbe({"compensate", "m.toml", "part.nc", "-o", "out.nc", "--json", "--dialect", GetParam().dialect,
+                "--offset", "G54=X0,Y0,Z0", "--tools", "tool.tbl", "--start", GetParam().start},
+               {}, folder.path());
+  ASSERT_EQ(run.exit, 0) << run.err;
+  const auto report = nlohmann::json::parse(run.out);
+  EXPECT_GE(report["before"]["max_um"].get<double>(), GetParam().before_um);
+  EXPECT_LE(report["after"]["max_um"].get<double>(), 1 + report["quantisation_um"].get<double>());
+}
+
+INSTANTIATE_TEST_SUITE_P(Controls, PostedPrograms,
+                         ::testing::Values(Written{"siemens", "siemens", kThreeAxes, kSiemens, "X0,Y0,Z0",
+                                                   10},
+                                           Written{"siemens_traori", "siemens", kTiltingTable,
+                                                   kSiemensFiveAxes, "X0,Y0,Z0,A0,C0", 1},
+                                           Written{"iso", "iso", kThreeAxes, kIso, "X0,Y0,Z0", 10}),
+                         [](const auto& test) { return std::string(test.param.name); });
+
+}  // namespace
+}  // namespace abbe::cli
