@@ -12,114 +12,36 @@ namespace abbe {
 
 namespace {
 
-// One build per instruction set, chosen when the program is loaded. The sanitizers do not go with it.
-#if defined(__x86_64__) && defined(__gnu_linux__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
-#define ABBE_CLONES __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
-#define ABBE_CLONES
-#endif
-
 constexpr std::size_t kLanes = 8, kRows = static_cast<std::size_t>(TriangularFactor::kBlock);
 static_assert(kRows % kLanes == 0);
 
-/// kLanes numbers side by side: sums run in lanes, so every instruction set adds in one order.
-using Lanes = double __attribute__((vector_size(kLanes * sizeof(double))));
-
-[[gnu::always_inline]] inline void load(Lanes& to, const double* from) { std::memcpy(&to, from, sizeof to); }
-
-[[gnu::always_inline]] inline double sum_of(const Lanes& lanes) {
-  double sum = 0;
-  for (std::size_t l = 0; l < kLanes; ++l) sum += lanes[l];
-  return sum;
+// One build per instruction set, chosen by what the processor has. Not by target_clones: vectors would be cut
+// to the smallest set before the clones are made. The sanitizers do not go with it.
+namespace baseline {
+#include "abbe/core/least_squares_fold.h"
 }
-
-/// a . b over kRows rows.
-[[gnu::always_inline]] inline double dot(const double* a, const double* b) {
-  Lanes sum{};
-  for (std::size_t i = 0; i < kRows; i += kLanes) {
-    Lanes x, y;
-    load(x, a + i), load(y, b + i);
-    sum += x * y;
-  }
-  return sum_of(sum);
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__clang__)
+#define ABBE_WIDER_VECTORS
+#pragma GCC push_options
+#pragma GCC target("avx2")
+namespace avx2 {
+#include "abbe/core/least_squares_fold.h"
 }
-
-/// Reflections that are applied together, so that the columns behind them are read once for all.
-constexpr std::size_t kPanel = 4;
-
-/// H_k = 1 - tau v v^T, v = (1, b_k / v0), of some columns after each other. tau = 0: nothing to fold.
-struct Panel {
-  std::array<const double*, kPanel> b{};
-  std::array<double, kPanel> v0_inverse{}, tau{};
-  std::array<std::array<double, kPanel>, kPanel> between{};  ///< b_p . b_q
-};
-
-/// The four reflections on one column, whose rows in the triangle begin at r:
-///
-///     t_p = tau_p (r_p + (b_p . b_j - sum_(q < p) s_q b_p . b_q) / v0_p),   s_p = t_p / v0_p
-///     r_p -= t_p,   b_j -= sum_p s_p b_p
-[[gnu::always_inline]] inline void reflect(const Panel& panel, double* r, double* bj) {
-  Lanes d0{}, d1{}, d2{}, d3{};
-  for (std::size_t i = 0; i < kRows; i += kLanes) {
-    Lanes y, x;
-    load(y, bj + i);
-    load(x, panel.b[0] + i), d0 += x * y;
-    load(x, panel.b[1] + i), d1 += x * y;
-    load(x, panel.b[2] + i), d2 += x * y;
-    load(x, panel.b[3] + i), d3 += x * y;
-  }
-  std::array<double, kPanel> s = {sum_of(d0), sum_of(d1), sum_of(d2), sum_of(d3)};
-  for (std::size_t p = 0; p < kPanel; ++p) {
-    for (std::size_t q = 0; q < p; ++q) s[p] -= s[q] * panel.between[p][q];
-    const double t = panel.tau[p] * (r[p] + s[p] * panel.v0_inverse[p]);
-    r[p] -= t;
-    s[p] = t * panel.v0_inverse[p];
-  }
-  for (std::size_t i = 0; i < kRows; i += kLanes) {
-    Lanes y, x;
-    load(y, bj + i);
-    load(x, panel.b[0] + i), y -= s[0] * x;
-    load(x, panel.b[1] + i), y -= s[1] * x;
-    load(x, panel.b[2] + i), y -= s[2] * x;
-    load(x, panel.b[3] + i), y -= s[3] * x;
-    std::memcpy(bj + i, &y, sizeof y);
-  }
+#pragma GCC target("avx512f")
+namespace avx512 {
+#include "abbe/core/least_squares_fold.h"
 }
+#pragma GCC pop_options
+#endif
 
-/// One reflection p of a panel on one column.
-[[gnu::always_inline]] inline void reflect_one(const Panel& panel, std::size_t p, double& r, double* bj) {
-  const double t = panel.tau[p] * (r + dot(panel.b[p], bj) * panel.v0_inverse[p]);
-  const double s = t * panel.v0_inverse[p];
-  r -= t;
-  for (std::size_t i = 0; i < kRows; ++i) bj[i] -= s * panel.b[p][i];
-}
+using Fold = void (*)(double* r, double* block, std::size_t m1);
 
-/// Householder: folds kRows rows (columns one after the other) into the triangle r, both m1 columns. Under
-/// the diagonal the triangle is zero, so each reflection touches one row of it:
-///
-///     v0 = alpha - beta,  beta = -sign(alpha) |(alpha, b_k)|,  tau = -v0 / beta
-///
-/// r is stored by columns with m1 rows.
-ABBE_CLONES void fold_block(double* r, double* block, std::size_t m1) {
-  for (std::size_t first = 0; first < m1; first += kPanel) {
-    const std::size_t count = std::min(kPanel, m1 - first);
-    Panel panel;
-    for (std::size_t p = 0; p < count; ++p) {
-      const std::size_t k = first + p;
-      const double* const bk = panel.b[p] = block + k * kRows;
-      if (const double square = dot(bk, bk); square != 0) {
-        double& alpha = r[k * m1 + k];
-        const double beta = std::sqrt(alpha * alpha + square) * (alpha > 0 ? -1 : 1), v0 = alpha - beta;
-        panel.v0_inverse[p] = 1 / v0;
-        panel.tau[p] = -v0 / beta;
-        alpha = beta;
-      }
-      for (std::size_t q = 0; q < p; ++q) panel.between[p][q] = dot(bk, panel.b[q]);
-      for (std::size_t j = k + 1; j < first + count; ++j)
-        reflect_one(panel, p, r[j * m1 + k], block + j * kRows);
-    }
-    for (std::size_t j = first + kPanel; j < m1; ++j) reflect(panel, r + j * m1 + first, block + j * kRows);
-  }
+Fold widest_fold() {
+#ifdef ABBE_WIDER_VECTORS
+  if (__builtin_cpu_supports("avx512f")) return avx512::fold_block;
+  if (__builtin_cpu_supports("avx2")) return avx2::fold_block;
+#endif
+  return baseline::fold_block;
 }
 
 }  // namespace
@@ -173,6 +95,7 @@ void TriangularFactor::add(const TriangularFactor& other) {
 
 void TriangularFactor::fold() {
   if (used_ == 0) return;
+  static const Fold fold_block = widest_fold();
   fold_block(factor_.data(), block_.data(), static_cast<std::size_t>(m_) + 1);
   block_.setZero();
   used_ = 0;

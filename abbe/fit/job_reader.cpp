@@ -17,20 +17,17 @@ namespace {
 
 constexpr double kPpm = 1e-6;
 
-std::vector<std::string> with(std::vector<std::string> keys, std::initializer_list<const char*> more) {
-  keys.insert(keys.end(), more.begin(), more.end());
-  return keys;
-}
-
-/// Keys of the instrument, on every kind of measurement.
-std::vector<std::string> instrument_keys() {
-  return {"file", "column", "unit", "optic", "measured_at", "point_on", "sign", "noise", "scale_u_ppm"};
-}
-
 /// Directions of bed axes by letter; 3..5 are rotations about them.
 Vec3 unit_of(int direction) { return Vec3::Unit(direction % 3); }
 
 }  // namespace
+
+std::vector<std::string> JobReader::instrument_keys_and(std::initializer_list<const char*> more) {
+  std::vector<std::string> keys = {"file",     "column", "unit",  "optic",      "measured_at",
+                                   "point_on", "sign",   "noise", "scale_u_ppm"};
+  keys.insert(keys.end(), more.begin(), more.end());
+  return keys;
+}
 
 std::optional<std::string> JobReader::text_of(const TomlNode& entry, const char* key, bool needed) {
   const TomlEntry* found = entry.find(key);
@@ -169,32 +166,6 @@ std::optional<RunTable> JobReader::planned_runs(const TomlNode& entry, std::stri
 }
 
 /// A grid over the travels of all axes, not more than kMost points to each.
-void JobReader::plan_points(const TomlNode& entry, FitPoints points) {
-  constexpr int kMost = 7;
-  if (!plan_file(entry, points.file)) return;
-  points.planned = true;
-  points.poses = {{}};
-  for (int i = 0; i < job_.machine.axis_count(); ++i) {
-    const auto& range = job_.machine.axis(i).range;
-    if (!range || job_.machine.axis_count() > 3) {
-      findings_.error("E-JOB-RANGE", entry.mark, "a grid needs three axes with known travels at most", "",
-                      "state range in the machine file");
-      return;
-    }
-    const auto nodes =
-        even_nodes((*range)[0], (*range)[1], static_cast<std::size_t>(std::min(plan_->targets, kMost)));
-    std::vector<Pose> finer;
-    for (const Pose& pose : points.poses)
-      for (const double node : nodes) {
-        finer.push_back(pose);
-        finer.back()[static_cast<std::size_t>(i)] = node;
-      }
-    points.poses = std::move(finer);
-  }
-  points.measured.assign(points.poses.size(), Vec3::Zero());
-  job_.points.push_back(std::move(points));
-}
-
 std::optional<RunTable> JobReader::runs_of_entry(const TomlNode& entry, std::string& path,
                                                  const Course& course) {
   if (plan_) return planned_runs(entry, path, course);
@@ -270,7 +241,7 @@ void JobReader::warn_outside(const TomlNode& entry, const FitRun& run) {
 
 void JobReader::read_run(const TomlNode& entry) {
   refuse_other_keys(
-      entry, with(instrument_keys(), {"error", "at", "square", "reversed", "temperature", "expansion_ppm"}),
+      entry, instrument_keys_and({"error", "at", "square", "reversed", "temperature", "expansion_ppm"}),
       "[[run]]", findings_);
   FitRun run;
   const auto error = error_of(entry, "error");
@@ -303,7 +274,7 @@ void JobReader::read_run(const TomlNode& entry) {
 }
 
 void JobReader::read_diagonal(const TomlNode& entry) {
-  refuse_other_keys(entry, with(instrument_keys(), {"from", "to"}), "[[diagonal]]", findings_);
+  refuse_other_keys(entry, instrument_keys_and({"from", "to"}), "[[diagonal]]", findings_);
   FitDiagonal diagonal;
   const auto from = pose_of(entry, "from"), to = pose_of(entry, "to");
   const auto instrument = instrument_of(entry, false);
@@ -332,65 +303,6 @@ void JobReader::read_diagonal(const TomlNode& entry) {
     return;
   }
   job_.diagonals.push_back(std::move(diagonal));
-}
-
-void JobReader::take_points(const TomlNode& entry, const MeasuredTable& table, bool balls, FitPoints points) {
-  const auto column = [&](const std::string& name, Quantity quantity) -> const MeasuredColumn* {
-    const MeasuredColumn* found = table.find(name);
-    if (found != nullptr && found->quantity == quantity) return found;
-    findings_.error("E-JOB-KIND", entry.mark,
-                    fmt::format("{} has no column '{}'{}", in_quotes(points.file), name,
-                                quantity == Quantity::length  ? " in a unit of length"
-                                : quantity == Quantity::angle ? " in a unit of angle"
-                                                              : ""),
-                    "every row is a pose of all axes and what was measured there",
-                    balls ? "X [mm], Y [mm], .., ball" : "X [mm], Y [mm], .., x [mm], y [mm], z [mm]");
-    return nullptr;
-  };
-  std::vector<const MeasuredColumn*> axes, measured;
-  for (int i = 0; i < job_.machine.axis_count(); ++i) {
-    const Body& axis = job_.machine.axis(i);
-    axes.push_back(column(axis.name, axis.type == AxisType::rotary ? Quantity::angle : Quantity::length));
-  }
-  const bool reads = !balls || table.find("x") != nullptr;
-  for (const char* name : {"x", "y", "z"})
-    if (reads) measured.push_back(column(name, Quantity::length));
-  const MeasuredColumn* number = balls ? column("ball", Quantity::number) : nullptr;
-  if (std::count(axes.begin(), axes.end(), nullptr) + std::count(measured.begin(), measured.end(), nullptr) >
-          0 ||
-      (balls && number == nullptr))
-    return;
-  for (std::size_t i = 0; i < table.rows(); ++i) {
-    Pose& pose = points.poses.emplace_back();
-    for (std::size_t k = 0; k < axes.size(); ++k) pose[k] = axes[k]->values[i];
-    if (balls) points.ball.push_back(static_cast<int>(std::clamp(number->values[i], -1e6, 1e6)));
-    if (reads)
-      (balls ? points.readings : points.measured)
-          .emplace_back(measured[0]->values[i], measured[1]->values[i], measured[2]->values[i]);
-  }
-  job_.points.push_back(std::move(points));
-}
-
-void JobReader::read_points(const TomlNode& entry, bool balls) {
-  refuse_other_keys(entry,
-                    balls ? std::vector<std::string>{"file", "noise", "sign", "nest", "places", "angles"}
-                          : with(instrument_keys(), {"frame"}),
-                    balls ? "[[ball]]" : "[[points]]", findings_);
-  FitPoints points;
-  const auto instrument = instrument_of(entry, false);
-  if (const TomlEntry* found = entry.find("frame"))
-    points.fixed = read_choice(found->value, {"free", "fixed"}, "frame", findings_).value_or(0) == 1;
-  if (!instrument) return;
-  points.instrument = *instrument;
-  if (plan_ && !balls) return plan_points(entry, std::move(points));
-  if (const TomlEntry* found = entry.find("nest"))
-    points.nest_on_work = read_choice(found->value, {"tool", "work"}, "nest", findings_).value_or(0) == 1;
-  if (plan_) return plan_ball_entry(entry, std::move(points));
-  const std::optional<std::string> bytes = fetch(entry, points.file);
-  if (!bytes) return;
-  const Parsed<MeasuredTable> table = read_measured_table(points.file, *bytes);
-  out_.insert(out_.end(), table.diagnostics.begin(), table.diagnostics.end());
-  if (table.value) take_points(entry, *table.value, balls, std::move(points));
 }
 
 void JobReader::read_value(const TomlNode& entry) {

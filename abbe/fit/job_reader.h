@@ -1,10 +1,12 @@
 #pragma once
 
 #include <array>
+#include <initializer_list>
 #include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "abbe/fit/fit_job.h"
 #include "abbe/machine/findings.h"
@@ -42,6 +44,8 @@ class JobReader {
   [[nodiscard]] double error_unit(bool rotation) const {
     return rotation ? units_.error_angle : units_.error_length;
   }
+  /// Keys of the instrument, which every kind of measurement has, and those of one kind.
+  static std::vector<std::string> instrument_keys_and(std::initializer_list<const char*> more);
   std::optional<std::string> text_of(const TomlNode& entry, const char* key, bool needed);
   std::optional<ErrorName> error_of(const TomlNode& entry, const char* key);
   std::optional<Pose> pose_of(const TomlNode& entry, const char* key);

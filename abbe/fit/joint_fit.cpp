@@ -131,6 +131,24 @@ void add_row(TriangularFactor& factor, const Eigen::VectorXd& row, double value)
   factor.add({row.data(), static_cast<std::size_t>(row.size())}, value);
 }
 
+/// The measured rows, weighted, some at a time.
+void add_measured(const Observations& observations, Rows& rows, TriangularFactor& factor) {
+  Eigen::MatrixXd block(TriangularFactor::kBlock, factor.unknowns());
+  Eigen::VectorXd values(TriangularFactor::kBlock), row(factor.unknowns());
+  Eigen::Index used = 0;
+  const auto hand_over = [&] {
+    factor.add(block.topRows(used), values.head(used));
+    used = 0;
+  };
+  for (const Observation& observation : observations.rows) {
+    rows.write(observation, row);
+    block.row(used) = row.transpose() / observation.sigma;
+    values[used++] = observation.value / observation.sigma;
+    if (used == block.rows()) hand_over();
+  }
+  hand_over();
+}
+
 /// What is known of unknowns beforehand, as rows; returns their number.
 std::size_t add_known(const FitJob& job, const Observations& observations, const Unknowns& unknowns,
                       const Layout& layout, TriangularFactor& factor) {
@@ -268,12 +286,7 @@ FitResult fit_jointly(const FitJob& job, const Observations& observations, const
   if (!effects) return out;
   Rows rows(observations, unknowns, layout, std::move(*effects));
   TriangularFactor factor(layout.columns);
-  Eigen::VectorXd row(layout.columns);
-  for (const Observation& observation : observations.rows) {
-    rows.write(observation, row);
-    row /= observation.sigma;
-    add_row(factor, row, observation.value / observation.sigma);
-  }
+  add_measured(observations, rows, factor);
   out.rows = observations.rows.size() + add_known(job, observations, unknowns, layout, factor);
   if (!factor.is_finite()) return out;
 

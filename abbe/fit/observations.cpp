@@ -246,6 +246,8 @@ void Equations::add_points(const FitPoints& points) {
   Eigen::Matrix3Xd nominal(3, static_cast<Eigen::Index>(count)),
       measured(3, static_cast<Eigen::Index>(count));
   const std::size_t first_pose = all_.poses.size();
+  all_.poses.reserve(first_pose + count);
+  all_.rows.reserve(all_.rows.size() + 3 * count);
   for (std::size_t i = 0; i < count; ++i) {
     if (turns_with_point_on_work(points.instrument, points.poses[i], points.file)) return;
     const std::size_t pose = pose_at(points.poses[i], {}, points.instrument);

@@ -191,6 +191,7 @@ std::vector<Mistake> mistakes() {
       {"E-SENSOR-LAG", five("[sensors]\n@slow = { of = \"T1\" }\n"), "lag = 1800"},
       {"E-SENSOR-LAG", five("[sensors]\nslow = { of = \"T1\", lag = @0 }\n"), ""},
       {"E-SENSOR-LAG", five("[sensors]\nslow = { of = @\"slow\", lag = 9 }\n"), ""},
+      {"E-SENSOR-LAG", five("[sensors]\n@Y = { of = \"T1\", lag = 9 }\n"), "T_Y"},
       {"E-UNKNOWN-KEY", five("[sensors]\nslow = { of = \"T1\", lag = 9, @gain = 2 }\n"), ""},
       // what does not fit together
       {"W-ORDER-LEAVES-OUT",

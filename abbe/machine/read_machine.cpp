@@ -161,7 +161,8 @@ Parsed<Machine> read_machine(const MachineText& machine_text, const std::optiona
                                       functions, error_findings);
     machine.errors = std::move(errors.terms);
     machine.variables = variables.take();
-    machine.lagged_sensors = read_lagged_sensors(errors_file ? *errors_file : *root, error_findings);
+    machine.lagged_sensors =
+        read_lagged_sensors(errors_file ? *errors_file : *root, machine.bodies, error_findings);
     machine.files.insert(machine.files.end(), tables.files().begin(), tables.files().end());
     check_errors(machine, axes.notes, errors.notes, findings, error_findings);
     check_corrected_errors(*root, machine, findings);

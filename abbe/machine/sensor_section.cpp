@@ -2,18 +2,28 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "abbe/machine/machine_sections.h"
 #include "abbe/machine/toml_values.h"
 
 namespace abbe {
 
-std::vector<LaggedSensor> read_lagged_sensors(const TomlNode& root, Findings& findings) {
+std::vector<LaggedSensor> read_lagged_sensors(const TomlNode& root, const std::vector<Body>& bodies,
+                                              Findings& findings) {
   std::vector<LaggedSensor> out;
   const TomlNode* table = find_table(root, "sensors", findings);
   if (table == nullptr) return out;
   for (const TomlEntry& entry : table->entries) {
     if (findings.full()) break;
     if (!expect_kind(entry.value, TomlNode::Kind::table, entry.key, findings)) continue;
+    const bool is_axis = std::any_of(bodies.begin(), bodies.end(), [&](const Body& body) {
+      return body.axis >= 0 && body.name == entry.key;
+    });
+    if (is_axis)
+      findings.error("E-SENSOR-LAG", entry.mark, in_quotes(entry.key) + " is an axis of the chain",
+                     "errors of that name depend on its position, never on a temperature",
+                     "name the sensor otherwise, such as T_" + entry.key);
     refuse_other_keys(entry.value, {"of", "lag"}, entry.key, findings);
     const TomlEntry *of = entry.value.find("of"), *lag = entry.value.find("lag");
     if (of == nullptr || lag == nullptr) {

@@ -57,15 +57,33 @@ std::string listed_names(const std::vector<std::string>& names) {
   return names.size() > kMost ? text + fmt::format(" and {} more", names.size() - kMost) : text;
 }
 
+/// The measurement that shows an unknown by itself.
+std::string what_would_tell(const std::string& text) {
+  const std::optional<ErrorName> name = read_error_name(text);
+  const char* const otherwise = ", state it with [[value]], or leave it out";
+  if (!name)
+    return std::string("measure with another set-up (optic, height, square turned over)") + otherwise;
+  if (name->error_class != ErrorClass::location)
+    return fmt::format("add a [[run]] of {}, or points at other places{}", text, otherwise);
+  return (name->is_rotation()
+              ? "add straightness of both axes on one [[square]], diagonals, or balls at another height"
+              : "add balls at another place or height, touched at other angles") +
+         std::string(otherwise);
+}
+
 /// What the numbers say against themselves.
 void report_doubts(const FitJob& job, const FitResult& result, Session& session) {
   constexpr double kMisfit = 3;
   for (const NotDetermined& missing : result.not_determined) {
     if (!missing.asked) continue;
-    session.report(about_job(job, Severity::warning, "W-FIT-RANK", missing.name + " is not determined",
-                             missing.like.empty() ? "no measurement shows it"
-                                                  : "it cannot be told from " + listed_names(missing.like),
-                             "measure what tells them apart (docs/measurement-files.md), or leave it out"));
+    session.report(
+        about_job(job, Severity::warning, "W-FIT-RANK", missing.name + " is not determined",
+                  missing.like.empty()
+                      ? "no measurement shows it"
+                      : fmt::format("only a combination with {} is known: at every pose measured they do the "
+                                    "same, and {} is taken as 0",
+                                    listed_names(missing.like), missing.name),
+                  what_would_tell(missing.name)));
   }
   for (const SetResidual& set : result.sets) {
     if (set.noise_assumed || set.ratio < kMisfit) continue;
@@ -73,7 +91,9 @@ void report_doubts(const FitJob& job, const FitResult& result, Session& session)
         about_job(job, Severity::warning, "W-FIT-MISFIT",
                   fmt::format("{}: what is left is {:.1f} times the noise (rms {:.3g} {})", set.name,
                               set.ratio, set.rms / (set.angle ? urad : um), set.angle ? "urad" : "um"),
-                  "the form of a function, the measuring point, or an error that was not measured",
+                  "the form of a function, the measuring point, an error that was not measured, or a sign "
+                  "that contradicts other "
+                  "files",
                   "look at the residuals; another form, pitch, or the missing runs"));
   }
   if (result.rows > 0 && result.rows <= result.rank)

@@ -89,6 +89,8 @@ std::optional<VolumeUncertainty> uncertainty_or_report(const MapUncertaintyArgum
     return fail("--uncertainty", path + " states no uncertainty",
                 "add [uncertainty], or let `abbe fit` write it");
   UncertaintyQuestion asked{question, setting.environment, arguments.trials, arguments.seed};
+  if (arguments.trials == 1)
+    return fail("--trials", "one trial has no spread", "1000; 0 for first order only");
   if (arguments.trials * question.grid.size() > kMostDraws)
     return fail("--trials",
                 fmt::format("{} trials at {} points are too many", arguments.trials, question.grid.size()),

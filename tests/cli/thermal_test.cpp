@@ -129,6 +129,10 @@ TEST_F(Thermal, MapTellsItsUncertainty) {
   EXPECT_NEAR(u["first_order"]["max_u_um"][0].get<double>(), std::hypot(4.0, 1.5), 1e-6);
   EXPECT_NEAR(u["monte_carlo"]["max_u_um"][0].get<double>(), std::hypot(4.0, 1.5), 0.8);
   EXPECT_LT(u["max_distance"]["low_95_um"].get<double>(), u["max_distance"]["high_95_um"].get<double>());
+  EXPECT_THAT(
+      run({"map", "mill.toml", "--errors", "errors.toml", "--count", "2", "--uncertainty", "--trials", "1"})
+          .err,
+      HasSubstr("one trial has no spread"));
   EXPECT_EQ(run({"map", "mill.toml", "--errors", "hidden.toml", "--set", "slow=22", "--uncertainty"}).exit,
             2);
 }
