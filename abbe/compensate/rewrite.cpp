@@ -23,6 +23,20 @@ Diagnostic whole_file(const std::string& name, const char* code, std::string mes
   return d;
 }
 
+/// A control reads a number of blocks ahead: the more there are, the less of the way it sees.
+std::optional<Diagnostic> growth_warning(const std::string& name, const RewriteReport& report) {
+  constexpr std::uint64_t kFewLines = 1000, kMuch = 2;
+  if (report.lines_out < kFewLines || report.lines_out <= kMuch * report.lines_in) return std::nullopt;
+  Diagnostic d =
+      whole_file(name, "W-GROWTH",
+                 fmt::format("{} lines became {}: motions were split so that the correction follows",
+                             report.lines_in, report.lines_out),
+                 "allow more with --tolerance-um if the control slows down");
+  d.severity = Severity::warning;
+  d.why = "the control reads a number of blocks ahead, and of these the way is shorter now";
+  return d;
+}
+
 }  // namespace
 
 RewriteReport rewrite_program(const Plan& plan, const RewriteJob& job, SpoolFile& out,
@@ -97,6 +111,7 @@ RewriteReport rewrite_program(const Plan& plan, const RewriteJob& job, SpoolFile
     return report;
   }
   report.complete = true;
+  if (auto grown = growth_warning(job.name, report)) report.diagnostics.push_back(std::move(*grown));
   return report;
 }
 

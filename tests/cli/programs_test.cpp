@@ -22,6 +22,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 constexpr const char* kProgram =
     "G21 G17 G90 G94\n"
@@ -49,6 +50,27 @@ class Programs : public ::testing::Test {
   std::string program_ = folder_.put("part.ngc", kProgram);
   std::string out_ = folder_ / "out.ngc";
 };
+
+TEST_F(Programs, MuchLongerOutputIsWarnedOf) {
+  std::string program = "G21 G17 G90 G94\nG54\nG0 X0 Y0 Z10\nF500\n";
+  for (int i = 0; i < 200; ++i) program += i % 2 == 0 ? "G1 X300\n" : "G1 X0\n";
+  program = folder_.put("long.ngc", program + "M2\n");
+  EXPECT_THAT(compensate(program).err, Not(HasSubstr("W-GROWTH")));
+  machine_ = folder_.put("wavy.toml", R"(format = 1
+[machine]
+name = "wavy"
+chain = "w b X Y Z t"
+[axis.X]
+[axis.Y]
+[axis.Z]
+[errors]
+EXX = { sine = [20, 0.0628, 0] }
+)");
+  const ProgramRun grown =
+      run_abbe({"compensate", machine_, program, "-o", out_, "--offset", "G54=X0,Y0,Z0"});
+  EXPECT_EQ(grown.exit, 0) << grown.err;
+  EXPECT_THAT(grown.err, HasSubstr("long.ngc: warning[W-GROWTH]: 205 lines became"));
+}
 
 TEST_F(Programs, WhatOnlyTheVerifyingReaderRefusesIsRefused) {
   // An arc of 0.8 urad, which LinuxCNC would make a full circle.
