@@ -88,6 +88,8 @@ TEST(KlartextBlock, WhatMayMoveOtherwiseIsRefused) {
                                                                     {"CC Y+1 Z+1", "E-ARC"},
                                                                     {"C X+1 DR+ FMAX", "E-FEED"},
                                                                     {"L IX+1 M91", "E-G53"},
+                                                                    {"C X+1 DR+ M91", "E-G53"},
+                                                                    {"CR X+1 R+5 DR- M91", "E-G53"},
                                                                     {"L IC+5", "E-ROTARY"},
                                                                     {"TOOL CALL 1 Y S5", "E-TOOL"},
                                                                     {"TOOL CALL 1 Z DL+0.1", "E-TOOL"},

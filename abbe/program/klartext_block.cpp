@@ -293,6 +293,9 @@ class KlartextLine {
   }
   // M91: the coordinates are the machine's own.
   std::optional<BlockError> make_machine_place(Word& code) {
+    if (block_.words[0].letter == 'G' && block_.words[0].value > kLine && block_.words[0].value < kInch)
+      return wrong("E-G53", code.begin, "M91 on an arc",
+                   "whether its pole is a place of the machine's own is not sure", "go there on a line");
     if (block_.increments != 0)
       return wrong("E-G53", code.begin, "M91 with increments", "they count from the last M91 block",
                    "write the places themselves");
