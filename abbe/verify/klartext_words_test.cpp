@@ -109,6 +109,7 @@ TEST(KlartextWords, WhateverChangesIsFound) {
       {" M9", ""},
       {"Q339=+5", "Q339=+6"},
       {"L Z-1 R0 FMAX M91", "L Z-1 R0 FMAX"},
+      {"L Z-1 R0 FMAX M91", "L Z-1 R0 M91"},
       {"L Z-1 R0 FMAX M91", "L Z-2 R0 FMAX M91"},
       {"LBL 1", "LBL 3"},
       {"20 STOP\n", ""},
