@@ -334,6 +334,12 @@ TEST(Klartext, WhatIsNotSureIsRefused) {
     EXPECT_EQ(run.outcome.end, ProgramEnd::refused) << blocks;
     EXPECT_NE(findings(run.outcome).find(code), std::string::npos) << blocks << findings(run.outcome);
   }
+  // numbered or not: the words of the next line would be lost
+  for (const char* goes_on : {"4 L X+10 ~\n  Y+50 F500\n", "4 CYCL DEF 7.0 SHIFT ~\n  CYCL DEF 7.1 X+5\n"}) {
+    const ProgramRun run = run_ideal(tilted(""), kHead + std::string(goes_on) + "90 END PGM A MM\n");
+    EXPECT_EQ(run.outcome.end, ProgramEnd::refused) << run.output;
+    EXPECT_NE(findings(run.outcome).find("goes on"), std::string::npos) << findings(run.outcome);
+  }
   const ProgramRun unstated = run_ideal(tilted(""), "L X+1 Y+1 Z+1 FMAX\n");
   EXPECT_NE(findings(unstated.outcome).find("E-START"), std::string::npos) << findings(unstated.outcome);
 }

@@ -133,6 +133,8 @@ TEST(KlartextWords, WhatIsNotUnderstoodIsRefused) {
                            "L X+10 RL",
                            "CYCL DEF 200 ~",
                            "CYCL CALL",
+                           "L X+60 ~\n Y+5",
+                           "CYCL DEF 7.0 SHIFT ~\n CYCL DEF 7.1 X+5",
                            "L X+1 M99",
                            "CALL LBL 1",
                            "PLANE RESET STAY",
