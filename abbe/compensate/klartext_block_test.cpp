@@ -88,6 +88,8 @@ TEST(KlartextBlock, WhatMayMoveOtherwiseIsRefused) {
                                                                     {"CC Y+1 Z+1", "E-ARC"},
                                                                     {"C X+1 DR+ FMAX", "E-FEED"},
                                                                     {"L IX+1 M91", "E-G53"},
+                                                                    {"C X+1 DR+ M91", "E-G53"},
+                                                                    {"CR X+1 R+5 DR- M91", "E-G53"},
                                                                     {"L IC+5", "E-ROTARY"},
                                                                     {"TOOL CALL 1 Y S5", "E-TOOL"},
                                                                     {"TOOL CALL 1 Z DL+0.1", "E-TOOL"},
@@ -115,6 +117,16 @@ TEST(KlartextBlock, ABlockGoesOnBehindATilde) {
   EXPECT_EQ(block.count, 0);
   ASSERT_FALSE(read_klartext_block("L X+5", heidenhain(), context, block));
   EXPECT_EQ(block.count, 2);
+}
+
+// What stands in the next line would be lost.
+TEST(KlartextBlock, OnlyTextAndPresetsGoOn) {
+  for (const char* line : {"~", "5 ~", "5 L X+10 ~", "L X+10 ; text ~", "CC X+1 Y+2 ~", "C X+1 DR+ ~", "L ~",
+                           "STOP ~", "TOOL CALL 1 Z ~", "TOOL DEF 1 ~", "CYCL DEF 7.0 SHIFT ~",
+                           "CYCL DEF 7.1 X+5 ~", "CYCL DEF 32.1 T0.05 ~", "LBL 1 ~", "0 BEGIN PGM A MM ~"})
+    EXPECT_EQ(words_of(line), "E-BLOCK") << line;
+  for (const char* line : {"; text ~", "5 ;text~", "* - heading ~", "5 BLK FORM 0.1 Z X+0 ~"})
+    EXPECT_EQ(words_of(line), "") << line;
 }
 
 // Any bytes: an answer, and words within the line.

@@ -98,6 +98,11 @@ bool Rewriter::settings() {
                  "declare [control] in the machine file");
     return false;
   }
+  if (instruction_.tcp == 0 && tcp_ && instruction_.moves_axes && profile_.text.conversational) {
+    refuse_block("E-TCP", "tool centre point control is switched off beside a motion",
+                 "this control does so when the motion is done", "write the code into a block of its own");
+    return false;
+  }
   if (instruction_.tcp >= 0) switch_tcp(instruction_.tcp == 1);
   if (instruction_.wcs >= 0 && !choose_work_offset()) return false;
   if (profile_.tools.follows_plane && modal_.plane != Plane::xy && in_.frames.tool_offset() != Vec3::Zero()) {
@@ -120,7 +125,7 @@ std::optional<int> Rewriter::tool_number(const Word& word) const {
 bool Rewriter::choose_work_offset() {
   if (!profile_.offsets.keeps_shift && in_.frames.g92() != Vec3::Zero()) {
     refuse_block("E-FRAME", "a work offset is chosen while a shift of the program is in force",
-                 "whether the shift outlives it is not sure", "end the shift before (TRANS)");
+                 "whether the shift outlives it is not sure", "end the shift before (TRANS, CYCL DEF 7)");
     return false;
   }
   const Vec3 reading = in_.p();

@@ -152,7 +152,9 @@ double Follower::seconds_of(const Motion& next) const {
   if (motion.rapid) return job.rapid_speed > 0 ? motion.length / job.rapid_speed * 60 : 0;
   if (!(next.feed > 0)) return 0;
   if (next.feed_mode == 930) return 60 / next.feed;
-  return motion.length / (next.feed * (reader.inch() ? inch : mm)) * 60;
+  // conversational programs in inches count feeds in tenths: F100 is 10 inch/min
+  const double feed_inch = profile_of(job.setup)->text.conversational ? inch / 10 : inch;
+  return motion.length / (next.feed * (reader.inch() ? feed_inch : mm)) * 60;
 }
 
 bool Follower::follow(const Motion& next) {

@@ -8,6 +8,7 @@
 
 #include "abbe/core/test_files.h"
 #include "abbe/machine/read_machine.h"
+#include "abbe/machine/read_profile.h"
 
 namespace abbe {
 namespace {
@@ -60,7 +61,8 @@ struct Followed {
 };
 
 Followed follow(const std::string& machine_text, const std::string& program,
-                DatumRule datum = DatumRule::ideal, bool clock = false) {
+                DatumRule datum = DatumRule::ideal, bool clock = false,
+                const std::string& dialect = "linuxcnc") {
   const testing::TestFile file(program);
   const Machine machine = machine_of(machine_text);
   const auto plan_of = [&](double t) { return std::get<Plan>(make_plan(machine, {{"t", t}})); };
@@ -69,6 +71,7 @@ Followed follow(const std::string& machine_text, const std::string& program,
   job.datum = datum;
   job.setup.work_offsets[0] = WorkOffset{{30, -20, -250}, 0, {}};
   job.setup.loaded_tool = 0;
+  job.setup.profile = embedded_profile(dialect);
   job.setup.start = {0, 0, 0};
   if (clock) job.plan_at = [&](double t) { return std::optional(plan_of(t)); };
   Followed out;
@@ -91,6 +94,16 @@ TEST(ProgramPoses, APerfectMachineIsWhereTheProgramSays) {
   EXPECT_EQ(is.motions[2].line, 5u);
   EXPECT_NEAR(is.report.feed_length, 77, kPico);
   EXPECT_NEAR(is.report.seconds, 7.7 + 7 / 10000.0 * 60, kPico);
+}
+
+// F100 of a conversational program in inches is 10 inch/min.
+TEST(ProgramPoses, ConversationalFeedsInInchesAreTenths) {
+  const Followed is = follow(kHead,
+                             "0 BEGIN PGM A INCH\n1 L X+0 Y+0 Z+1 R0 FMAX\n2 L Z+0 F100\n3 L X+4\n"
+                             "4 END PGM A INCH\n",
+                             DatumRule::ideal, false, "heidenhain");
+  EXPECT_NEAR(is.report.feed_length, 127, kPico);
+  EXPECT_NEAR(is.report.seconds, 30, 1e-9);
 }
 
 TEST(ProgramPoses, SquarenessShears) {

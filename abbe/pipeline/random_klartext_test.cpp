@@ -301,6 +301,22 @@ TEST(Klartext, TheHeaderStandsBehindTheFirstBlock) {
   EXPECT_NE(findings(again.outcome).find("E-COMPENSATED"), std::string::npos);
 }
 
+// M129 beside a motion acts behind it: the words are still of the tip.
+TEST(Klartext, TipControlEndsInABlockOfItsOwn) {
+  const std::string machine =
+      "format = 1\n[machine]\nchain = \"w C A b X Y Z t\"\n[control]\nmode = \"axis\"\n"
+      "codes = { M128 = \"tcp\", M129 = \"axis\" }\n[axis.A]\ndirection = [1, 0, 0]\n[axis.C]\n"
+      "direction = [0, 0, 1]\n[errors]\nEXX = { poly = [0, 0.2] }\n";
+  const std::string begin =
+      "0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S3000\n2 L X+0 Y+0 Z+9 A+10 C+40 R0 FMAX\n3 M128\n"
+      "4 L X+5 Y+5 Z+5 FMAX\n";
+  const ProgramRun alone = run_ideal(machine, begin + "5 M129\n6 L X+20 Y+7 Z+5 FMAX\n7 END PGM A MM\n");
+  EXPECT_EQ(alone.outcome.end, ProgramEnd::done) << findings(alone.outcome);
+  const ProgramRun beside = run_ideal(machine, begin + "5 L X+20 Y+7 Z+5 FMAX M129\n6 END PGM A MM\n");
+  EXPECT_EQ(beside.outcome.end, ProgramEnd::refused) << beside.output;
+  EXPECT_NE(findings(beside.outcome).find("E-TCP"), std::string::npos) << findings(beside.outcome);
+}
+
 TEST(Klartext, WhatIsNotSureIsRefused) {
   const std::vector<std::pair<std::string, std::string>> refused = {
       {"4 C X+10 Y+10 DR+ F500\n", "E-ARC"},                                    // no pole
@@ -317,6 +333,12 @@ TEST(Klartext, WhatIsNotSureIsRefused) {
     const ProgramRun run = run_ideal(tilted(""), kHead + blocks + "90 END PGM A MM\n");
     EXPECT_EQ(run.outcome.end, ProgramEnd::refused) << blocks;
     EXPECT_NE(findings(run.outcome).find(code), std::string::npos) << blocks << findings(run.outcome);
+  }
+  // numbered or not: the words of the next line would be lost
+  for (const char* goes_on : {"4 L X+10 ~\n  Y+50 F500\n", "4 CYCL DEF 7.0 SHIFT ~\n  CYCL DEF 7.1 X+5\n"}) {
+    const ProgramRun run = run_ideal(tilted(""), kHead + std::string(goes_on) + "90 END PGM A MM\n");
+    EXPECT_EQ(run.outcome.end, ProgramEnd::refused) << run.output;
+    EXPECT_NE(findings(run.outcome).find("goes on"), std::string::npos) << findings(run.outcome);
   }
   const ProgramRun unstated = run_ideal(tilted(""), "L X+1 Y+1 Z+1 FMAX\n");
   EXPECT_NE(findings(unstated.outcome).find("E-START"), std::string::npos) << findings(unstated.outcome);

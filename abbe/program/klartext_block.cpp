@@ -38,21 +38,32 @@ class KlartextLine {
       : profile_(profile), context_(context), block_(block), text_(block.text) {}
 
   std::optional<BlockError> read() {
-    const bool goes_on = context_.open;
+    const bool continued = context_.open;
     take_tail();
     skip_blanks();
-    if (goes_on) return read_continued();
+    if (continued) return read_continued();
     context_.definition = nullptr;
+    if (auto error = read_first_line()) return error;
+    if (!context_.open || may_go_on_ || context_.definition != nullptr) return std::nullopt;
+    return wrong("E-BLOCK", 0, "a block that goes on in the next line",
+                 "only comments, BLK FORM and cycle 247 are followed there: its other words would be lost",
+                 "write the block in one line, without '~'");
+  }
+
+ private:
+  std::optional<BlockError> read_first_line() {
     if (const auto number = read_block_number(text_)) at_ = number->end;
     skip_blanks();
+    may_go_on_ = block_.has_comment;
     if (at_ == end_) return std::nullopt;
     if (text_[at_] == '*') {  // "* - heading"
-      block_.has_comment = true;
+      block_.has_comment = may_go_on_ = true;
       return std::nullopt;
     }
     const std::size_t begin = at_;
     const std::string_view first = name();
     block_.words_end = static_cast<std::uint16_t>(at_);
+    may_go_on_ = first == "BLK";
     if (first == "L") return read_line_block(begin);
     if (first == "C" || first == "CR") return read_arc(begin, first == "C");
     if (first == "CC") return read_pole();
@@ -69,7 +80,6 @@ class KlartextLine {
     return strange(begin, first.size());
   }
 
- private:
   // What stands behind ';' is a comment, a '~' at the end says that the block goes on.
   void take_tail() {
     end_ = text_.size();
@@ -293,6 +303,9 @@ class KlartextLine {
   }
   // M91: the coordinates are the machine's own.
   std::optional<BlockError> make_machine_place(Word& code) {
+    if (block_.words[0].letter == 'G' && block_.words[0].value > kLine && block_.words[0].value < kInch)
+      return wrong("E-G53", code.begin, "M91 on an arc",
+                   "whether its pole is a place of the machine's own is not sure", "go there on a line");
     if (block_.increments != 0)
       return wrong("E-G53", code.begin, "M91 with increments", "they count from the last M91 block",
                    "write the places themselves");
@@ -470,6 +483,7 @@ class KlartextLine {
   Block& block_;
   std::string_view text_;
   std::size_t at_ = 0, end_ = 0;
+  bool may_go_on_ = false;  ///< nothing is lost if the next line is taken for text
 };
 
 }  // namespace

@@ -538,7 +538,7 @@ bool Control::set_g92(int code) {
 void Control::go_home(int code) {
   moves_ = true;
   motion_.kind = MotionKind::home;
-  motion_.code = code;
+  motion_.code = profile_.text.conversational ? code + mode_ : code;  // L .. M91: at rapid or at a feed
   motion_.machine_words = false;
   motion_.incremental = incremental_ || block_->increments != 0;
   motion_.named = named_axes(*block_);

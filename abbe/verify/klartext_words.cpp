@@ -50,7 +50,12 @@ class KlartextScanner : public WordTaker {
     if (rest.empty()) return true;
     whole_ = rest;
     if (!cut(rest)) return false;
-    return continued.open ? preset(0) : block();
+    if (continued.open) return preset(0);
+    const bool followed = items_[0] == "BLK" || (items_[0] == "CYCL" && item(2) == "247");
+    if (goes_on(line_) && !followed)
+      return bad(items_[0], "E-BLOCK", "a block that goes on in the next line",
+                 "what stands there would not be read", "write it in one line");
+    return block();
   }
 
  private:

@@ -109,6 +109,7 @@ TEST(KlartextWords, WhateverChangesIsFound) {
       {" M9", ""},
       {"Q339=+5", "Q339=+6"},
       {"L Z-1 R0 FMAX M91", "L Z-1 R0 FMAX"},
+      {"L Z-1 R0 FMAX M91", "L Z-1 R0 M91"},
       {"L Z-1 R0 FMAX M91", "L Z-2 R0 FMAX M91"},
       {"LBL 1", "LBL 3"},
       {"20 STOP\n", ""},
@@ -126,10 +127,14 @@ TEST(KlartextWords, NumbersOfBlocksMayGrow) {
 }
 
 TEST(KlartextWords, WhatIsNotUnderstoodIsRefused) {
+  const std::string understood = changed("14 L X", "L X+10 R0\n14 L X");
+  EXPECT_TRUE(compared(understood, understood).agrees) << "or the lines below are refused for another reason";
   for (const char* line : {"L X+Q1",
                            "L X+10 RL",
                            "CYCL DEF 200 ~",
                            "CYCL CALL",
+                           "L X+60 ~\n Y+5",
+                           "CYCL DEF 7.0 SHIFT ~\n CYCL DEF 7.1 X+5",
                            "L X+1 M99",
                            "CALL LBL 1",
                            "PLANE RESET STAY",
@@ -151,7 +156,7 @@ TEST(KlartextWords, WhatIsNotUnderstoodIsRefused) {
                            "HELLO",
                            "/ L X+1",
                            "L X+1 FU0.1"}) {
-    const std::string program = changed("14 L X", "14 " + std::string(line) + "\n15 L X");
+    const std::string program = changed("14 L X", std::string(line) + "\n14 L X");
     EXPECT_FALSE(compared(program, program).agrees) << line;
   }
 }

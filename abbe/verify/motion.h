@@ -51,7 +51,7 @@ struct Cycle {
 /// X Y Z, or with tool centre point control those of the tip.
 struct Motion {
   MotionKind kind = MotionKind::rapid;
-  int code = 0;                      ///< 10 times the G code: 0 10 20 30, 280 300, cycles 730 .. 890
+  int code = 0;                      ///< 10 times the G code: 0 10 20 30, 280 300 (M91 at F: 290), 730 .. 890
   bool machine_words = false;        ///< G53: the words are axis commands
   bool incremental = false;          ///< G91
   Axes named = 0;                    ///< axes with a word in the block
