@@ -182,10 +182,14 @@ TEST_F(Thermal, WarmWorkpiecesAreCutLarger) {
   EXPECT_EQ(refused.exit, 2);
   EXPECT_THAT(refused.err, HasSubstr("E-EXPANSION"));
   EXPECT_EQ(run({"predict", "mill.toml", "--at", "X=0,Y=0,Z=0", "--workpiece-ppm", "11.5"}).exit, 2);
-  EXPECT_EQ(run({"predict", "mill.toml", "--at", "X=0,Y=0,Z=0", "--workpiece-ppm", "11500",
-                 "--workpiece-temperature", "30"})
-                .exit,
-            2);
+  const auto exit_with = [&](const char* ppm) {
+    return run({"predict", "mill.toml", "--at", "X=0,Y=0,Z=0", "--workpiece-ppm", ppm,
+                "--workpiece-temperature", "30"})
+        .exit;
+  };
+  for (const char* wrong : {"11500", "1.15e-5", "0.0115", "-11.5", "nan"})
+    EXPECT_EQ(exit_with(wrong), 2) << wrong;
+  for (const char* right : {"0", "0.6", "23"}) EXPECT_EQ(exit_with(right), 0) << right;
 }
 
 TEST_F(Thermal, WarmWorkpiecesOfTurningTools) {
