@@ -57,18 +57,16 @@ std::string listed_names(const std::vector<std::string>& names) {
   return names.size() > kMost ? text + fmt::format(" and {} more", names.size() - kMost) : text;
 }
 
-/// The measurement that shows an unknown by itself.
+/// The measurement that shows an unknown by itself. Only a location error can be stated as a [[value]].
 std::string what_would_tell(const std::string& text) {
   const std::optional<ErrorName> name = read_error_name(text);
-  const char* const otherwise = ", state it with [[value]], or leave it out";
-  if (!name)
-    return std::string("measure with another set-up (optic, height, square turned over)") + otherwise;
+  if (!name) return "measure with another set-up (optic, height, square turned over), or leave it out";
   if (name->error_class != ErrorClass::location)
-    return fmt::format("add a [[run]] of {}, or points at other places{}", text, otherwise);
+    return fmt::format("add a [[run]] of {}, or points at other places, or leave it out", text);
   return (name->is_rotation()
               ? "add straightness of both axes on one [[square]], diagonals, or balls at another height"
               : "add balls at another place or height, touched at other angles") +
-         std::string(otherwise);
+         std::string(", state it with [[value]], or leave it out");
 }
 
 /// What the numbers say against themselves.

@@ -14,6 +14,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Fit : public ::testing::Test {
  protected:
@@ -68,6 +69,17 @@ TEST_F(Fit, WhatIsNotDeterminedIsSaid) {
   EXPECT_EQ(fit.exit, 4);
   EXPECT_THAT(fit.err, HasSubstr("W-FIT-RANK"));
   EXPECT_THAT(fit.err, HasSubstr("EA0Z"));
+  EXPECT_THAT(fit.err, HasSubstr("[[value]]"));
+  // One number does not make a function: [[value]] would be refused.
+  const std::string function = folder_.put(
+      "function.toml",
+      "format = 1\nmachine = \"mill.toml\"\n[functions]\nECX = { form = \"polynomial\", order = 1 "
+      "}\n[[run]]\nfile = \"exx.csv\"\nerror = \"EXX\"\n");
+  const ProgramRun unseen = run({"fit", function});
+  EXPECT_EQ(unseen.exit, 0) << unseen.err;
+  EXPECT_THAT(unseen.err, HasSubstr("ECX is not determined"));
+  EXPECT_THAT(unseen.err, HasSubstr("add a [[run]] of ECX"));
+  EXPECT_THAT(unseen.err, Not(HasSubstr("[[value]]")));
 }
 
 TEST_F(Fit, StatesThatCannotBeComparedAreRefused) {
