@@ -152,6 +152,18 @@ TEST_F(Thermal, LogsAloneAreNoLackOfEquations) {
   EXPECT_THAT(run({"fit", job_}).err, ::testing::Not(HasSubstr("W-FIT-FREEDOM")));
 }
 
+// The log begins at 20 degC as far as a sensor can tell.
+TEST_F(Thermal, ReferencesThatNoLogSawAreNamed) {
+  ASSERT_EQ(run({"simulate", "drift", job_, "--errors", "hidden.toml", "--seed", "2"}).exit, 0);
+  EXPECT_THAT(run({"fit", job_}).err, ::testing::Not(HasSubstr("the reference")));
+  std::ifstream in(job_);
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  const std::string section = "[thermal]\n";
+  text.insert(text.find(section) + section.size(), "reference = 19\n");
+  EXPECT_THAT(run({"fit", folder_.put("cold.toml", text)}).err,
+              HasSubstr("the reference 19 degC is outside"));
+}
+
 TEST_F(Thermal, WarmWorkpiecesAreCutLarger) {
   const auto x_of = [&](std::vector<std::string> more) {
     std::vector<std::string> arguments = {"predict", "mill.toml", "--at", "X=100,Y=0,Z=0"};
