@@ -74,14 +74,14 @@ void report_doubts(const FitJob& job, const FitResult& result, Session& session)
   constexpr double kMisfit = 3;
   for (const NotDetermined& missing : result.not_determined) {
     if (!missing.asked) continue;
-    session.report(
-        about_job(job, Severity::warning, "W-FIT-RANK", missing.name + " is not determined",
-                  missing.like.empty()
-                      ? "no measurement shows it"
-                      : fmt::format("only a combination with {} is known: at every pose measured they do the "
-                                    "same, and {} is taken as 0",
-                                    listed_names(missing.like), missing.name),
-                  what_would_tell(missing.name)));
+    session.report(about_job(
+        job, Severity::warning, "W-FIT-RANK", missing.name + " is not determined",
+        missing.like.empty()
+            ? "no measurement shows it"
+            : fmt::format("only a combination with {} is known: at the poses measured, with the noise "
+                          "stated, they do the same, and {} is taken as 0",
+                          listed_names(missing.like), missing.name),
+        what_would_tell(missing.name)));
   }
   for (const SetResidual& set : result.sets) {
     if (set.noise_assumed || set.ratio < kMisfit) continue;
