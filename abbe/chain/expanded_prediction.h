@@ -14,8 +14,10 @@ namespace abbe {
 /// Directions stay. Whatever axes carry the tool or the workpiece, which with_expansion (the same as errors
 /// of the chain, for corrections) does not take.
 ///
-/// units    mm, rad; nominal: nominal_pose at the query of the prediction. Numbers that are not finite stay
-/// 0. laws     ExpandedPredictionAgreesWithTheChain, TurningTheToolDoesNotMatter cost     one rotation
+/// units    mm, rad; nominal: nominal_pose at the query of the prediction
+/// errors   numbers that are not finite stay 0
+/// laws     ExpandedPredictionAgreesWithTheChain, TurningTheToolDoesNotMatter
+/// cost     one rotation
 [[nodiscard]] Prediction expanded(Prediction prediction, const Pose& nominal,
                                   const WorkpieceExpansion& expansion);
 

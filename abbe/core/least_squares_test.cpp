@@ -40,6 +40,19 @@ TEST(TriangularFactor, FactorKeepsTheGramMatrix) {
   EXPECT_LT((rc.transpose() * rc - ab.transpose() * ab).norm(), 1e-10);
 }
 
+// Reflections go four at a time on two columns at a time: what is left over at either end, columns of zeros
+// and columns that say the same.
+TEST(TriangularFactor, EveryNumberOfUnknownsKeepsTheGramMatrix) {
+  for (int m = 0; m <= 13; ++m) {
+    Eigen::MatrixXd ab = random_matrix(300, m + 1, 20 + static_cast<unsigned>(m));
+    if (m > 2) ab.col(m / 2).setZero();
+    if (m > 4) ab.col(m - 1) = ab.col(0);
+    const Eigen::MatrixXd rc = factor_of(ab.leftCols(m), ab.col(m)).factor();
+    EXPECT_LT((rc.transpose() * rc - ab.transpose() * ab).norm(), 1e-10) << m;
+    EXPECT_TRUE(rc.isUpperTriangular(0)) << m;
+  }
+}
+
 TEST(TriangularFactor, FactorOfBlocksEqualsFactorOfTheWhole) {
   const Eigen::MatrixXd a = random_matrix(777, 5, 3);
   const Eigen::VectorXd b = random_matrix(777, 1, 4);

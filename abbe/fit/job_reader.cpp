@@ -165,7 +165,6 @@ std::optional<RunTable> JobReader::planned_runs(const TomlNode& entry, std::stri
   return table;
 }
 
-/// A grid over the travels of all axes, not more than kMost points to each.
 std::optional<RunTable> JobReader::runs_of_entry(const TomlNode& entry, std::string& path,
                                                  const Course& course) {
   if (plan_) return planned_runs(entry, path, course);

@@ -226,8 +226,12 @@ std::vector<NotDetermined> name_dependent(const IndependentColumns& columns, con
     const auto column = static_cast<std::size_t>(dependent.column);
     const std::string& name = layout.owner[column];
     const bool location = dependent.column >= layout.locations;
-    if (out.empty() || out.back().name != name)
-      out.push_back({name, {}, location ? asked : column >= layout.nuisances});
+    if (out.empty() || out.back().name != name) {
+      const auto parameters = std::count(layout.owner.begin(), layout.owner.end(), name);
+      out.push_back(
+          {name, {}, location ? asked : column >= layout.nuisances, 0, static_cast<std::size_t>(parameters)});
+    }
+    ++out.back().missing;
     std::set<std::string> like(out.back().like.begin(), out.back().like.end());
     for (const auto& [other, share] : dependent.like)
       if (layout.owner[static_cast<std::size_t>(other)] != name)

@@ -23,11 +23,15 @@ struct FoundValue {
   double value = 0, u = 0;  ///< internal units (locations in um or urad)
 };
 
-/// An unknown that the measurements do not tell from others: it was left at zero.
+/// An unknown that the measurements do not tell from others: it was left at zero. Of a function it may be
+/// some parameters only, such as the harmonics of a pitch at all of whose multiples it was measured.
 struct NotDetermined {
   std::string name;
-  std::vector<std::string> like;  ///< what does the same; empty: nothing shows it
-  bool asked = false;             ///< the job names it, or it is part of a function
+  std::vector<std::string> like;            ///< what does the same; empty: nothing shows it
+  bool asked = false;                       ///< the job names it, or it is part of a function
+  std::size_t missing = 0, parameters = 0;  ///< how many were left at zero, and how many there are
+
+  [[nodiscard]] bool in_part() const { return missing < parameters; }
 };
 
 /// How well one file is met.

@@ -11,6 +11,7 @@
 
 namespace abbe {
 
+/// A grid over the travels of all axes, not more than kMost points to each.
 void JobReader::plan_points(const TomlNode& entry, FitPoints points) {
   constexpr int kMost = 7;
   if (!plan_file(entry, points.file)) return;

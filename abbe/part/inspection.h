@@ -70,7 +70,8 @@ inline constexpr int kMostFits = 30;
 /// progress  of points; without a total while a fit goes on
 /// errors    no points: figures of zeros. Points are finite.
 /// laws      APoleCounts, StopsWhenAsked, AMovedPartFitsBack, PointsOnTheSurfaceHaveNoDeviation,
-/// APlaneTellsThreeMotions cost      a nearest point per point and round
+///           APlaneTellsThreeMotions
+/// cost      a nearest point per point and round
 [[nodiscard]] Inspection inspect_points(const NearestPoint& nominal, const std::vector<TouchedPoint>& points,
                                         BestFit fit, double beside = 0.1, const Progress& progress = {});
 

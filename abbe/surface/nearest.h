@@ -26,12 +26,11 @@ struct SurfaceFoot {
 /// second minimum: kSamples samples per knot span and direction, the best three of them tried. On the rim the
 /// foot is the best point of the border.
 ///
-/// errors   a point that is not finite gives the first sample and deviation 0; so does a foot without a
-/// normal
-///          (SurfacePoint::is_regular)
+/// errors   a point that is not finite gives the first sample and deviation 0; deviation 0 as well where the
+///          foot has no normal (SurfacePoint::is_regular)
 /// laws     BesideACreaseTheDeviationIsTheDistance, FootOfAPointOnTheNormalIsItsBase, NoSampleIsNearer,
-/// SphereGivesRadiusDifference cost     the samples (6 flops each) and 3 to 6 evaluations per start;
-/// immutable, shared by threads
+///          SphereGivesRadiusDifference
+/// cost     the samples (6 flops each) and 3 to 6 evaluations per start; immutable, shared by threads
 class NearestPoint {
  public:
   static constexpr std::size_t kSamples = 6;

@@ -66,7 +66,8 @@ struct SurfacePoint {
 /// errors   a place outside the range is taken to its border; `surface` must be valid; a pole elsewhere, or
 ///          where the limit does not exist either, has no normal
 /// laws     APoleHasTheNormalBesideIt, DerivativesAreDifferenceQuotients, SphereAndCylinderAreExact,
-/// AffineMapsOfThePointsMapTheSurface cost     (p + 1)(q + 1) points; 0.5 us for bicubic; no allocation
+///          AffineMapsOfThePointsMapTheSurface
+/// cost     (p + 1)(q + 1) points; 0.5 us for bicubic; no allocation
 /// source   Piegl, Tiller: The NURBS Book (1997), A2.1, A2.3, A4.4
 [[nodiscard]] SurfacePoint evaluate(const NurbsSurface& surface, SurfacePlace place);
 

@@ -72,9 +72,8 @@ inline constexpr std::size_t kMostPasses = 20000, kMostPathPoints = 2000000;
 /// wanted value (fixed point, 1e-13), straight between them. The last pass is the rim; what is then nearer
 /// than wanted stays so.
 ///
-/// errors   ToolPathFault: poles and the hollow is checked at every contact, the rest of the surface by its
-/// nearest
-///          point, a crease between two points at the middle of their chord
+/// errors   ToolPathFault: poles and the hollow are looked for at every contact, the rest of the surface by
+///          its nearest point, a crease between two points at the middle of their chord
 /// laws     CurvatureDecidesTheStep, FlatStepIsTheFormula, ChordsKeepTheTolerance, NoPointGouges,
 ///          ACreaseIsNotCutOff; the scallop: Analytic.APerfectMachineLeavesTheScallopAndNothingElse
 /// cost     25 us per point, for the gouge check

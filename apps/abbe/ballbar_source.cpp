@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "common.h"
+#include "number_check.h"
 
 namespace abbe::app {
 namespace {
@@ -42,10 +43,10 @@ void add_ballbar_options(CLI::App& verb, BallbarArguments& arguments) {
                   "plane, where the file does not say it: angles from the first axis")
       ->type_name("XY");
   verb.add_option("--radius", arguments.radius, "nominal radius, where the file does not say it")
-      ->check(CLI::PositiveNumber & finite_number())
+      ->check(above_zero())
       ->type_name("MM");
   verb.add_option("--feed", arguments.feed, "feed along the path, where the file does not say it")
-      ->check(CLI::PositiveNumber & finite_number())
+      ->check(above_zero())
       ->type_name("MM/MIN");
   verb.add_option("--direction", arguments.direction, "direction, where the file does not say it")
       ->check(CLI::IsMember({"CCW", "CW"}));

@@ -15,6 +15,7 @@
 #include "abbe/machine/read_machine.h"
 #include "csv.h"
 #include "environment_log.h"
+#include "number_check.h"
 
 namespace abbe::app {
 namespace {
@@ -181,11 +182,11 @@ void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& ses
   verb.add_option("--model", arguments.model, "how error matrices enter the chain (rigid)")
       ->check(CLI::IsMember({"rigid", "linear", "first-order"}));
   verb.add_option("--limit-um", arguments.limit_um, "accepted distance: reports pass or fail")
-      ->check(CLI::NonNegativeNumber & finite_number())
+      ->check(not_negative())
       ->type_name("UM");
   verb.add_option("--limit-angle-deg", arguments.limit_angle_deg,
                   "accepted tilt of the tool axis: reports pass or fail")
-      ->check(CLI::NonNegativeNumber & finite_number())
+      ->check(not_negative())
       ->type_name("DEG");
 }
 

@@ -8,6 +8,7 @@
 #include "abbe/core/units.h"
 #include "abbe/report/json_writer.h"
 #include "common.h"
+#include "number_check.h"
 #include "point_source.h"
 #include "progress.h"
 #include "text.h"
@@ -335,7 +336,7 @@ Verb correct_verb(CLI::App& program, Session& session) {
   command
       ->add_option("--max-rotary-correction", arguments->max_rotary_correction_deg,
                    "beyond it a rotary axis is held at its command (0.5)")
-      ->check(CLI::PositiveNumber & finite_number())
+      ->check(above_zero())
       ->type_name("DEG");
   return {command, [arguments, &session] { correct_points(*arguments, session); }};
 }

@@ -15,6 +15,7 @@
 #include "abbe/report/measurement_figure.h"
 #include "common.h"
 #include "evaluate_report.h"
+#include "number_check.h"
 #include "output_file.h"
 #include "verbs.h"
 
@@ -207,7 +208,7 @@ Verb evaluate_verb(CLI::App& program, Session& session) {
   command
       ->add_option("--sensor-distance", arguments->sensor_distance,
                    "between parallel sensors of a drift test")
-      ->check(CLI::PositiveNumber & finite_number())
+      ->check(above_zero())
       ->type_name("MM");
   add_setup_options(*command, arguments->setup);
   command->add_option("--svg", arguments->svg, "picture (SVG)")->type_name("FILE");

@@ -36,7 +36,7 @@ std::nullopt_t fail(const char* option, std::string message, std::string fix, Se
 }  // namespace
 
 std::optional<WorkpieceExpansion> expansion_or_report(const ExpansionArguments& arguments, Session& session) {
-  constexpr double kMostAway = 50, kMostPpm = 100, kPpm = 1e-6;
+  constexpr double kMostAway = 50, kLeastPpm = 0.1, kMostPpm = 100, kPpm = 1e-6;
   if (!arguments.given()) return WorkpieceExpansion{};
   if (!arguments.temperature || !arguments.ppm)
     return fail(arguments.ppm ? "--workpiece-ppm" : "--workpiece-temperature",
@@ -45,9 +45,10 @@ std::optional<WorkpieceExpansion> expansion_or_report(const ExpansionArguments& 
     return fail("--workpiece-temperature",
                 fmt::format("{:g} degC is far from 20 degC", *arguments.temperature),
                 "expansion is linear near 20 degC only: check the number and its unit", session);
-  if (*arguments.ppm < 0 || *arguments.ppm > kMostPpm)
+  // 1.15e-5 in place of 11.5 would pass for a part that does not expand.
+  if (*arguments.ppm != 0 && (*arguments.ppm < kLeastPpm || *arguments.ppm > kMostPpm))
     return fail("--workpiece-ppm", fmt::format("{:g} ppm per K is no metal", *arguments.ppm),
-                "state it in 1e-6 per K", session);
+                "state it in 1e-6 per K: 11.5 for steel, 0 for what does not expand", session);
   return WorkpieceExpansion{*arguments.temperature, *arguments.ppm * kPpm};
 }
 

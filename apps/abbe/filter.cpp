@@ -15,6 +15,7 @@
 #include "common.h"
 #include "csv.h"
 #include "filter_steps.h"
+#include "number_check.h"
 #include "verbs.h"
 
 namespace abbe::app {
@@ -327,7 +328,7 @@ Verb filter_verb(CLI::App& program, Session& session) {
       ->type_name("NAME,..")
       ->allow_extra_args(false);
   command->add_option("--dt", arguments->dt, "seconds between samples, in place of the column t_s")
-      ->check(CLI::PositiveNumber & finite_number());
+      ->check(above_zero());
   CLI::Option* sine = command->add_flag("--sine", arguments->sine, "fit A sin(w t + phi) + c to each column");
   CLI::Option* delay =
       command->add_option("--delay", arguments->delay, "by how much the second column is behind the first")

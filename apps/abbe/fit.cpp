@@ -57,18 +57,39 @@ std::string listed_names(const std::vector<std::string>& names) {
   return names.size() > kMost ? text + fmt::format(" and {} more", names.size() - kMost) : text;
 }
 
-/// The measurement that shows an unknown by itself.
+/// The measurement that shows an unknown by itself. Only a location error can be stated as a [[value]].
 std::string what_would_tell(const std::string& text) {
   const std::optional<ErrorName> name = read_error_name(text);
-  const char* const otherwise = ", state it with [[value]], or leave it out";
-  if (!name)
-    return std::string("measure with another set-up (optic, height, square turned over)") + otherwise;
+  if (!name) return "measure with another set-up (optic, height, square turned over), or leave it out";
   if (name->error_class != ErrorClass::location)
-    return fmt::format("add a [[run]] of {}, or points at other places{}", text, otherwise);
+    return fmt::format("add a [[run]] of {}, or points at other places, or leave it out", text);
   return (name->is_rotation()
               ? "add straightness of both axes on one [[square]], diagonals, or balls at another height"
               : "add balls at another place or height, touched at other angles") +
-         std::string(otherwise);
+         std::string(", state it with [[value]], or leave it out");
+}
+
+Diagnostic lack(const FitJob& job, const NotDetermined& missing) {
+  return about_job(job, Severity::warning, "W-FIT-RANK", missing.name + " is not determined",
+                   missing.like.empty()
+                       ? "no measurement shows it"
+                       : fmt::format("only a combination with {} is known: at the poses measured, with the "
+                                     "noise stated, they do the same, and {} is taken as 0",
+                                     listed_names(missing.like), missing.name),
+                   what_would_tell(missing.name));
+}
+
+Diagnostic lack_of_shape(const FitJob& job, const NotDetermined& missing) {
+  const std::string alike =
+      missing.like.empty() ? "" : ", as " + listed_names(missing.like) + " would do the same";
+  return about_job(
+      job, Severity::warning, "W-FIT-RANK",
+      fmt::format("{} of the {} parameters of {} are not determined", missing.missing, missing.parameters,
+                  missing.name),
+      fmt::format("they are taken as 0{}: between the positions measured its course is not known, and its "
+                  "uncertainty does not say so",
+                  alike),
+      "measure at more positions (not at multiples of the pitch only), or ask for a simpler form");
 }
 
 /// What the numbers say against themselves.
@@ -76,14 +97,7 @@ void report_doubts(const FitJob& job, const FitResult& result, Session& session)
   constexpr double kMisfit = 3;
   for (const NotDetermined& missing : result.not_determined) {
     if (!missing.asked) continue;
-    session.report(
-        about_job(job, Severity::warning, "W-FIT-RANK", missing.name + " is not determined",
-                  missing.like.empty()
-                      ? "no measurement shows it"
-                      : fmt::format("only a combination with {} is known: at every pose measured they do the "
-                                    "same, and {} is taken as 0",
-                                    listed_names(missing.like), missing.name),
-                  what_would_tell(missing.name)));
+    session.report(missing.in_part() ? lack_of_shape(job, missing) : lack(job, missing));
   }
   for (const SetResidual& set : result.sets) {
     if (set.noise_assumed || set.ratio < kMisfit) continue;
@@ -193,7 +207,10 @@ std::string text_of(const FitAnswer& answer) {
   if (result.locations.empty()) text += "  none\n";
   for (const NotDetermined& missing : result.not_determined)
     if (!missing.like.empty() || missing.asked)
-      text += fmt::format("  {:<6} not determined: {}\n", missing.name,
+      text += fmt::format("  {:<6} not determined{}: {}\n", missing.name,
+                          missing.in_part()
+                              ? fmt::format(" in {} of {} parameters", missing.missing, missing.parameters)
+                              : "",
                           missing.like.empty() ? "nothing shows it" : "like " + listed_names(missing.like));
   return text + thermal_text(answer.job, answer.thermal);
 }
@@ -216,7 +233,12 @@ void write_found(JsonWriter& json, const FitResult& result) {
   }
   json.end().key("not_determined").begin_array();
   for (const NotDetermined& missing : result.not_determined)
-    json.begin_object(Layout::one_line).member("name", missing.name).member("like", missing.like).end();
+    json.begin_object(Layout::one_line)
+        .member("name", missing.name)
+        .member("like", missing.like)
+        .member("missing", static_cast<std::uint64_t>(missing.missing))
+        .member("parameters", static_cast<std::uint64_t>(missing.parameters))
+        .end();
   json.end();
 }
 

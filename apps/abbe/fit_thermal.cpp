@@ -16,6 +16,8 @@ Diagnostic about(const FitJob& job, Severity severity, const char* code, std::st
   return {severity, code, {job.file, 0, 0, 1, {}}, std::move(message), std::move(why), std::move(fix)};
 }
 
+constexpr double kSensor = 0.1;  // K: as well as sensors agree, and as ranges are printed
+
 const char* unit_of(const ThermalModel& model) { return model.rotation ? "urad" : "um"; }
 
 std::string joined(const std::vector<std::string>& names, const char* separator) {
@@ -86,7 +88,7 @@ void report_thermal_doubts(const FitJob& job, const ThermalFit& fit, Session& se
   for (const ThermalModel& model : fit.models) {
     doubt_model(job, model, session);
     for (const ThermalTerm& term : model.terms)
-      if (job.thermal.reference < term.lo || job.thermal.reference > term.hi)
+      if (job.thermal.reference < term.lo - kSensor || job.thermal.reference > term.hi + kSensor)
         warn("W-THERMAL-RANGE",
              fmt::format("{}: the reference {:g} degC is outside {:.1f} to {:.1f} degC of {}", model.name,
                          job.thermal.reference, term.lo, term.hi, variable_of(term)),

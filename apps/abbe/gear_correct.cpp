@@ -13,6 +13,7 @@
 #include "csv.h"
 #include "gear_machine.h"
 #include "gear_report.h"
+#include "number_check.h"
 #include "output_file.h"
 #include "progress.h"
 #include "text.h"
@@ -325,7 +326,7 @@ Verb gear_correct_verb(CLI::App& gear, Session& session) {
   command
       ->add_option("--sigma-um", arguments->sigma_um,
                    "standard uncertainty of a point, 0: from the residuals (0)")
-      ->check(CLI::NonNegativeNumber & finite_number())
+      ->check(not_negative())
       ->type_name("UM");
   command
       ->add_option("--cut-with", arguments->cut_with,

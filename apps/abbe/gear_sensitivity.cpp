@@ -10,6 +10,7 @@
 #include "abbe/gear/sensitivity.h"
 #include "gear_machine.h"
 #include "gear_report.h"
+#include "number_check.h"
 #include "progress.h"
 #include "text.h"
 
@@ -129,10 +130,10 @@ Verb gear_sensitivity_verb(CLI::App& gear, Session& session) {
       ->check(CLI::IsMember({"given", "units", "poses"}))
       ->type_name("WHAT");
   command->add_option("--unit-um", arguments->unit_um, "unit of displacements (10)")
-      ->check(CLI::PositiveNumber & finite_number())
+      ->check(above_zero())
       ->type_name("UM");
   command->add_option("--unit-urad", arguments->unit_urad, "unit of rotations (10)")
-      ->check(CLI::PositiveNumber & finite_number())
+      ->check(above_zero())
       ->type_name("URAD");
   return {command, [arguments, &session] { run_gear_sensitivity(*arguments, session); }};
 }

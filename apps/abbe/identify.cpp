@@ -13,6 +13,7 @@
 #include "circle_plan.h"
 #include "common.h"
 #include "identify_answer.h"
+#include "number_check.h"
 #include "output_file.h"
 #include "text.h"
 #include "verbs.h"
@@ -48,12 +49,12 @@ void add_model_options(CLI::App& verb, IdentifyArguments& a) {
   verb.add_flag("--no-acceleration", a.no_acceleration, "no terms of acceleration");
   verb.add_flag("--least-norm", a.least_norm, "unseen combinations: least norm in place of zeros");
   verb.add_option("--noise-um", a.noise_um, "standard deviation of a deviation, in place of what files say")
-      ->check(CLI::PositiveNumber & finite_number());
+      ->check(above_zero());
   verb.add_option("--rank-tolerance", a.rank_tolerance,
                   "singular values below it times the largest are zero (1e-3)")
-      ->check(CLI::Range(1e-12, 0.5) & finite_number());
+      ->check(number_in(1e-12, 0.5));
   verb.add_option("--reversal-ms", a.reversal_ms, "samples closer to a reversal are left out (20)")
-      ->check(CLI::NonNegativeNumber & finite_number());
+      ->check(not_negative());
 }
 
 IdentifyOptions options_of(const IdentifyArguments& a) {
@@ -261,7 +262,7 @@ Verb identify_verb(CLI::App& program, Session& session) {
   command->add_option("-o,--out", a->output, "errors file, for predict and compensate --errors")
       ->type_name("FILE");
   command->add_option("--clock-ms", a->clock_ms, "standard uncertainty of the clock of a run; 0: not sought")
-      ->check(CLI::NonNegativeNumber & finite_number());
+      ->check(not_negative());
   add_model_options(*command, *a);
   return {command, [a, &session] { run_identify(*a, session); }};
 }

@@ -14,6 +14,7 @@
 #include "abbe/report/json_writer.h"
 #include "abbe/report/part_figure.h"
 #include "common.h"
+#include "number_check.h"
 #include "output_file.h"
 #include "part_source.h"
 #include "progress.h"
@@ -208,23 +209,23 @@ Verb inspect_verb(CLI::App& program, Session& session) {
       ->capture_default_str();
   verb->add_option("--probe-radius-mm", arguments->ball_mm,
                    "the points are centres of a probe of this radius")
-      ->check(CLI::Range(0.0, 100.0));
+      ->check(number_in(0.0, 100.0));
   verb->add_option("--probe-um", arguments->noise_um,
                    "adds random probing errors along the normal of this standard deviation")
-      ->check(CLI::Range(0.0, 1e3));
+      ->check(number_in(0.0, 1e3));
   verb->add_option(
           "--probe-size-um", arguments->size_um,
           "adds this probing error to every point, + = out of the material: a stylus taken too small")
-      ->check(CLI::Range(-1e3, 1e3));
+      ->check(number_in(-1e3, 1e3));
   verb->add_option("--probe-scale-ppm", arguments->scale_ppm,
                    "adds an error of the scales: lengths from the origin are read this much too long")
-      ->check(CLI::Range(-1e4, 1e4));
+      ->check(number_in(-1e4, 1e4));
   verb->add_option("--seed", arguments->seed, "of the probing errors")->capture_default_str();
   verb->add_option("--beside-mm", arguments->beside_mm, "points farther beside the patch do not count")
-      ->check(CLI::Range(0.0, 1e3))
+      ->check(number_in(0.0, 1e3))
       ->capture_default_str();
   verb->add_option("--limit-um", arguments->limit_um, "pass or fail: largest deviation of a point")
-      ->check(CLI::NonNegativeNumber & finite_number());
+      ->check(not_negative());
   verb->add_option("--svg", arguments->svg, "colour map of the deviations (SVG)")->type_name("FILE");
   verb->add_option("--csv", arguments->csv, "every point with its deviation (CSV)")->type_name("FILE");
   verb->add_flag("--json", arguments->json, "JSON on standard output");

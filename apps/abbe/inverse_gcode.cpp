@@ -10,6 +10,7 @@
 #include "abbe/core/units.h"
 #include "abbe/report/header.h"
 #include "abbe/report/json_writer.h"
+#include "number_check.h"
 #include "progress.h"
 
 namespace abbe::app {
@@ -104,13 +105,13 @@ void add_gcode_options(CLI::App& verb, GcodeArguments& a) {
       ->check(CLI::IsMember({"probed", "ideal"}))
       ->capture_default_str()
       ->group(group);
-  verb.add_option("--feed", a.feed, "mm/min, for poses from CSV")->check(CLI::Range(1e-3, 1e6))->group(group);
+  verb.add_option("--feed", a.feed, "mm/min, for poses from CSV")->check(number_in(1e-3, 1e6))->group(group);
   verb.add_option("--tolerance-um", a.tolerance_um, "how far the tip may leave its path between blocks")
-      ->check(CLI::Range(0.01, 1000.0))
+      ->check(number_in(0.01, 1000.0))
       ->capture_default_str()
       ->group(group);
   verb.add_option("--max-correction-um", a.max_correction_um, "larger corrections are refused")
-      ->check(CLI::Range(1.0, 1e5))
+      ->check(number_in(1.0, 1e5))
       ->capture_default_str()
       ->group(group);
   verb.add_option("--units", a.units, "CL data without UNITS: mm or inch")

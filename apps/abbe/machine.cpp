@@ -13,6 +13,7 @@
 #include "abbe/part/machined_surface.h"
 #include "abbe/pipeline/program_poses.h"
 #include "abbe/report/json_writer.h"
+#include "number_check.h"
 #include "output_file.h"
 #include "part_source.h"
 #include "program_options.h"
@@ -294,7 +295,7 @@ Verb machine_verb(CLI::App& program, Session& session) {
   verb->add_option("--cutter", arguments->cutter, "ball:3, flat:10, bull:10,2: radius, corner radius, mm")
       ->capture_default_str();
   verb->add_option("--cutter-length", arguments->length, "length of the cutter, mm (ten times its radius)")
-      ->check(CLI::PositiveNumber & finite_number());
+      ->check(above_zero());
   verb->add_option("--grid", arguments->grid, "points: middles of so many cells along u and v")
       ->capture_default_str();
   verb->add_option("--points", arguments->points, "points: CSV with x,y,z near the surface")
@@ -303,20 +304,20 @@ Verb machine_verb(CLI::App& program, Session& session) {
   verb->add_option("-o,--output", arguments->output, "machined points for `abbe inspect` (CSV)")
       ->type_name("FILE");
   verb->add_option("--reach-mm", arguments->reach, "how far from the surface material is looked for")
-      ->check(CLI::Range(1e-3, 100.0))
+      ->check(number_in(1e-3, 100.0))
       ->capture_default_str();
   verb->add_option("--noise-um", arguments->noise_um,
                    "random motion of the tool, standard deviation per coordinate and motion")
-      ->check(CLI::Range(0.0, 1e3));
+      ->check(number_in(0.0, 1e3));
   verb->add_option("--seed", arguments->seed, "of the noise")->capture_default_str();
   verb->add_option("--wear-um-per-m", arguments->wear_um_per_m, "what the cutter loses per metre of feed")
-      ->check(CLI::Range(0.0, 1e3));
+      ->check(number_in(0.0, 1e3));
   verb->add_option("--worn-um", arguments->worn_um, "what the cutter has lost before")
-      ->check(CLI::Range(0.0, 1e3));
+      ->check(number_in(0.0, 1e3));
   verb->add_flag("--clock", arguments->clock, "t is the time of the program: errors that depend on t drift");
   verb->add_option("--time-step-s", arguments->time_step,
                    "how often the machine is looked at anew with --clock")
-      ->check(CLI::Range(0.1, 1e5))
+      ->check(number_in(0.1, 1e5))
       ->capture_default_str();
   verb->add_flag("--ideal", arguments->ideal, "without errors: what cutter and tool path leave");
   return {verb, [arguments, &session] { run_machine(*arguments, session); }};

@@ -14,6 +14,7 @@
 #include "map_report.h"
 #include "map_uncertainty.h"
 #include "map_volume.h"
+#include "number_check.h"
 #include "progress.h"
 #include "verbs.h"
 
@@ -145,7 +146,7 @@ Verb map_verb(CLI::App& program, Session& session) {
   command->add_option("--svg", arguments->svg, "overview: slices, error budget, diagonals (SVG)")
       ->type_name("FILE");
   command->add_option("--most", arguments->most, "errors listed in the budget, 0 = all (15)")
-      ->check(CLI::NonNegativeNumber & finite_number())
+      ->check(not_negative())
       ->type_name("N");
   return {command, [arguments, &session] { run_map(*arguments, session); }};
 }

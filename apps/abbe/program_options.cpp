@@ -12,6 +12,7 @@
 
 #include "abbe/core/number.h"
 #include "abbe/core/units.h"
+#include "number_check.h"
 
 namespace abbe::app {
 namespace {
@@ -169,10 +170,10 @@ void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) 
       ->check(CLI::IsMember({"probed", "ideal"}))
       ->capture_default_str();
   verb.add_option("--tolerance-um", a.tolerance_um, "what interpolation may leave")
-      ->check(CLI::Range(0.01, 1000.0))
+      ->check(number_in(0.01, 1000.0))
       ->capture_default_str();
   verb.add_option("--max-correction-um", a.max_correction_um, "larger corrections are refused")
-      ->check(CLI::Range(1.0, 1e5))
+      ->check(number_in(1.0, 1e5))
       ->capture_default_str();
   verb.add_flag("--reversal", a.reversal,
                 "correct lost motion where an axis turns round, instead of its mean");

@@ -9,6 +9,7 @@
 #include "abbe/core/units.h"
 #include "circle_plan.h"
 #include "common.h"
+#include "number_check.h"
 #include "output_file.h"
 #include "simulate.h"
 
@@ -187,11 +188,10 @@ Verb simulate_ballbar_verb(CLI::App& simulate, Session& session) {
   command->add_option("--lag", a->lag, "time constants of the position loops, ms: X=0.8,Y=1.1")
       ->allow_extra_args(false);
   command->add_option("--clock-ms", a->clock_ms, "standard deviation of the clock of a run")
-      ->check(CLI::NonNegativeNumber & finite_number());
+      ->check(not_negative());
   command->add_option("--colour", a->colour, "correlation of neighbouring noise, 0 (white) to below 1")
-      ->check(CLI::Range(0.0, 0.999) & finite_number());
-  command->add_option("--cycle-us", a->cycle_us, "cycle of the bus (1000)")
-      ->check(CLI::Range(50.0, 1e5) & finite_number());
+      ->check(number_in(0.0, 0.999));
+  command->add_option("--cycle-us", a->cycle_us, "cycle of the bus (1000)")->check(number_in(50.0, 1e5));
   command->add_option("--seed", a->seed, "of the noise (1)");
   command->add_flag("--positions", a->positions, "commanded and actual positions as columns of the traces");
   command->add_flag("--bus", a->bus, "an EtherCAT capture beside each trace");

@@ -6,6 +6,7 @@
 #include "capture_source.h"
 #include "column_output.h"
 #include "csv.h"
+#include "number_check.h"
 #include "simulate.h"
 
 namespace abbe::app {
@@ -124,7 +125,7 @@ Verb simulate_capture_verb(CLI::App& simulate, Session& session) {
   command->add_option("-o,--output", arguments->output, "the capture (pcap)")->required()->type_name("FILE");
   add_map_options(*command, arguments->map);
   command->add_option("--cycle-us", arguments->cycle_us, "time between cycles (1000)")
-      ->check(CLI::Range(1.0, 1e6));
+      ->check(number_in(1.0, 1e6));
   command->add_option("--esl", arguments->esl, "where the switch link's time is: trailer, header, none")
       ->check(CLI::IsMember({"trailer", "header", "none"}));
   command->add_flag("--no-startup", arguments->no_startup, "without the traffic that tells the map");

@@ -6,6 +6,7 @@
 
 #include "abbe/simulate/drift.h"
 #include "common.h"
+#include "number_check.h"
 #include "simulate.h"
 #include "simulated_job.h"
 
@@ -63,7 +64,7 @@ Verb simulate_drift_verb(CLI::App& simulate, Session& session) {
       ->required()
       ->type_name("FILE");
   const auto number = [&](const char* name, double& to, const char* what, double least) {
-    command->add_option(name, to, what)->check(CLI::Range(least, 1e6) & finite_number())->type_name("NUMBER");
+    command->add_option(name, to, what)->check(number_in(least, 1e6))->type_name("NUMBER");
   };
   number("--hours", arguments->hours, "length of each log (6)", 0.1);
   number("--step-s", arguments->step, "time between rows (60)", 0.1);
@@ -71,7 +72,7 @@ Verb simulate_drift_verb(CLI::App& simulate, Session& session) {
   number("--noise-arcsec", arguments->noise_arcsec, "of tilts (0.5)", 0);
   number("--noise-kelvin", arguments->noise_kelvin, "of temperatures (0.02)", 0);
   command->add_option("--start", arguments->start, "temperature of everything when a log begins, degC (20)")
-      ->check(CLI::Range(0.0, 50.0) & finite_number());
+      ->check(number_in(0.0, 50.0));
   command->add_option("--seed", arguments->seed, "of the random numbers (1)")->type_name("N");
   command->add_flag("--force", arguments->force, "overwrites files that are there");
   return {command, [arguments, &session] { run_simulate_drift(*arguments, session); }};

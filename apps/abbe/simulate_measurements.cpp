@@ -10,6 +10,7 @@
 #include "abbe/fit/observations.h"
 #include "abbe/simulate/measurements.h"
 #include "common.h"
+#include "number_check.h"
 #include "simulate.h"
 #include "simulated_job.h"
 
@@ -65,10 +66,10 @@ Verb simulate_measurements_verb(CLI::App& simulate, Session& session) {
       ->type_name("N");
   command->add_flag("--one-way", arguments->one_way, "increasing positions only");
   command->add_option("--noise-um", arguments->noise_um, "of readings whose entry states no noise (0.3)")
-      ->check(CLI::NonNegativeNumber & finite_number())
+      ->check(not_negative())
       ->type_name("UM");
   command->add_option("--noise-arcsec", arguments->noise_arcsec, "of angles (0.5)")
-      ->check(CLI::NonNegativeNumber & finite_number())
+      ->check(not_negative())
       ->type_name("ARCSEC");
   command->add_option("--seed", arguments->seed, "of the random numbers (1)")->type_name("N");
   command->add_flag("--force", arguments->force, "overwrites files that are there");

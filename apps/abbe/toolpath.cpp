@@ -10,6 +10,7 @@
 #include "abbe/report/json_writer.h"
 #include "abbe/surface/write_tool_path.h"
 #include "common.h"
+#include "number_check.h"
 #include "output_file.h"
 #include "part_source.h"
 #include "profile_options.h"
@@ -145,23 +146,23 @@ Verb toolpath_verb(CLI::App& program, Session& session) {
   verb->add_option("surface", arguments->surface, "nominal surface")->required()->type_name("FILE");
   verb->add_option("--cutter", arguments->cutter, "ball:3: radius, mm")->capture_default_str();
   verb->add_option("--scallop-um", arguments->scallop_um, "height of what is left between passes")
-      ->check(CLI::Range(1e-3, 1e4))
+      ->check(number_in(1e-3, 1e4))
       ->capture_default_str();
   verb->add_option("--step-mm", arguments->step_mm, "constant distance of passes, in place of the scallop")
-      ->check(CLI::Range(1e-4, 1e3))
+      ->check(number_in(1e-4, 1e3))
       ->excludes("--scallop-um");
   verb->add_option("--tolerance-um", arguments->tolerance_um, "of the chords")
-      ->check(CLI::Range(0.01, 1e3))
+      ->check(number_in(0.01, 1e3))
       ->capture_default_str();
   verb->add_option("--along", arguments->along, "parameter along which passes run")
       ->check(CLI::IsMember({"u", "v"}))
       ->capture_default_str();
   verb->add_flag("--one-way", arguments->one_way, "all passes in one direction, lifted between");
   verb->add_option("--feed", arguments->text.feed, "mm/min")
-      ->check(CLI::Range(0.1, 1e6))
+      ->check(number_in(0.1, 1e6))
       ->capture_default_str();
   verb->add_option("--clearance-mm", arguments->text.clearance, "over the highest point, between passes")
-      ->check(CLI::Range(0.0, 1e4))
+      ->check(number_in(0.0, 1e4))
       ->capture_default_str();
   verb->add_option("--tool", arguments->text.tool,
                    "number of the tool to load; without it the tool is in the spindle")

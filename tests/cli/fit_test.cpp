@@ -14,6 +14,7 @@ namespace {
 
 using nlohmann::json;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class Fit : public ::testing::Test {
  protected:
@@ -68,6 +69,34 @@ TEST_F(Fit, WhatIsNotDeterminedIsSaid) {
   EXPECT_EQ(fit.exit, 4);
   EXPECT_THAT(fit.err, HasSubstr("W-FIT-RANK"));
   EXPECT_THAT(fit.err, HasSubstr("EA0Z"));
+  EXPECT_THAT(fit.err, HasSubstr("[[value]]"));
+  // One number does not make a function: [[value]] would be refused.
+  const std::string function = folder_.put(
+      "function.toml",
+      "format = 1\nmachine = \"mill.toml\"\n[functions]\nECX = { form = \"polynomial\", order = 1 "
+      "}\n[[run]]\nfile = \"exx.csv\"\nerror = \"EXX\"\n");
+  const ProgramRun unseen = run({"fit", function});
+  EXPECT_EQ(unseen.exit, 0) << unseen.err;
+  EXPECT_THAT(unseen.err, HasSubstr("ECX is not determined"));
+  EXPECT_THAT(unseen.err, HasSubstr("add a [[run]] of ECX"));
+  EXPECT_THAT(unseen.err, Not(HasSubstr("[[value]]")));
+}
+
+// Targets every 50 mm say nothing of a pitch of 10 mm, but tell the rest of the function.
+TEST_F(Fit, AFunctionToldInPartIsNotCalledUnseen) {
+  ASSERT_EQ(run({"simulate", "measurements", job_, "--errors", "hidden.toml"}).exit, 0);
+  const std::string pitch = folder_.put(
+      "pitch.toml",
+      "format = 1\nmachine = \"mill.toml\"\n[functions]\nEXX = { form = \"polynomial\", order = 2, "
+      "pitch = 10 }\n[[run]]\nfile = \"exx.csv\"\nerror = \"EXX\"\n");
+  const ProgramRun told = run({"fit", pitch, "--json"});
+  ASSERT_EQ(told.exit, 0) << told.err;
+  EXPECT_THAT(told.err, HasSubstr("parameters of EXX are not determined"));
+  EXPECT_THAT(told.err, Not(HasSubstr("no measurement shows it")));
+  const json missing = json::parse(told.out)["not_determined"][0];
+  EXPECT_EQ(missing["name"], "EXX");
+  EXPECT_GE(missing["missing"], 1);
+  EXPECT_LT(missing["missing"], missing["parameters"]);
 }
 
 TEST_F(Fit, StatesThatCannotBeComparedAreRefused) {

@@ -152,6 +152,18 @@ TEST_F(Thermal, LogsAloneAreNoLackOfEquations) {
   EXPECT_THAT(run({"fit", job_}).err, ::testing::Not(HasSubstr("W-FIT-FREEDOM")));
 }
 
+// The log begins at 20 degC as far as a sensor can tell.
+TEST_F(Thermal, ReferencesThatNoLogSawAreNamed) {
+  ASSERT_EQ(run({"simulate", "drift", job_, "--errors", "hidden.toml", "--seed", "2"}).exit, 0);
+  EXPECT_THAT(run({"fit", job_}).err, ::testing::Not(HasSubstr("the reference")));
+  std::ifstream in(job_);
+  std::string text((std::istreambuf_iterator<char>(in)), {});
+  const std::string section = "[thermal]\n";
+  text.insert(text.find(section) + section.size(), "reference = 19\n");
+  EXPECT_THAT(run({"fit", folder_.put("cold.toml", text)}).err,
+              HasSubstr("the reference 19 degC is outside"));
+}
+
 TEST_F(Thermal, WarmWorkpiecesAreCutLarger) {
   const auto x_of = [&](std::vector<std::string> more) {
     std::vector<std::string> arguments = {"predict", "mill.toml", "--at", "X=100,Y=0,Z=0"};
@@ -182,10 +194,14 @@ TEST_F(Thermal, WarmWorkpiecesAreCutLarger) {
   EXPECT_EQ(refused.exit, 2);
   EXPECT_THAT(refused.err, HasSubstr("E-EXPANSION"));
   EXPECT_EQ(run({"predict", "mill.toml", "--at", "X=0,Y=0,Z=0", "--workpiece-ppm", "11.5"}).exit, 2);
-  EXPECT_EQ(run({"predict", "mill.toml", "--at", "X=0,Y=0,Z=0", "--workpiece-ppm", "11500",
-                 "--workpiece-temperature", "30"})
-                .exit,
-            2);
+  const auto exit_with = [&](const char* ppm) {
+    return run({"predict", "mill.toml", "--at", "X=0,Y=0,Z=0", "--workpiece-ppm", ppm,
+                "--workpiece-temperature", "30"})
+        .exit;
+  };
+  for (const char* wrong : {"11500", "1.15e-5", "0.0115", "-11.5", "nan"})
+    EXPECT_EQ(exit_with(wrong), 2) << wrong;
+  for (const char* right : {"0", "0.6", "23"}) EXPECT_EQ(exit_with(right), 0) << right;
 }
 
 TEST_F(Thermal, WarmWorkpiecesOfTurningTools) {

@@ -171,6 +171,38 @@ TEST_F(WrongInput, OptionsThatMeanNothingHere) {
   EXPECT_EQ(run_abbe({"inverse", machine_, "--set", "T1=20", "--poses", "-"}, "x,y,z\n1,2,3\n").exit, 2);
 }
 
+TEST_F(WrongInput, NumbersOutsideTheirRangeAndNoneAtAll) {
+  const auto refused = [&](std::vector<std::string> words, const std::string& value) {
+    words.push_back(value);
+    const ProgramRun run = run_abbe(words);
+    EXPECT_EQ(run.exit, 2) << words.front();
+    EXPECT_THAT(run.err, HasSubstr("'" + value + "' is not a number")) << words.front();
+    EXPECT_LT(run.err.size(), 200U) << run.err;
+  };
+  const std::string any = folder_ / "any";
+  const std::vector<std::vector<std::string>> options = {
+      {"inspect", any, any, "--probe-size-um"},
+      {"inspect", any, any, "--probe-scale-ppm"},
+      {"inspect", any, any, "--beside-mm"},
+      {"machine", any, any, "--surface", any, "--reach-mm"},
+      {"machine", any, any, "--surface", any, "--noise-um"},
+      {"toolpath", any, "--scallop-um"},
+      {"toolpath", any, "--feed"},
+      {"compensate", any, any, "--max-correction-um"},
+      {"inverse", any, "--emit", "gcode", "--tolerance-um"},
+      {"simulate", "capture", "--cycle-us"},
+      {"predict", any, "--limit-um"},
+      {"correct", any, "--max-rotary-correction"},
+      {"gear", "correct", any, any, "--sigma-um"},
+  };
+  for (const auto& option : options)
+    for (const char* value : {"nan", "inf", "1e999", "-1e5", "5um"}) refused(option, value);
+  refused({"inspect", any, any, "--probe-um"}, "1001");
+  refused({"correct", any, "--max-rotary-correction"}, "0");
+  const ProgramRun zero = run_abbe({"predict", machine_, "--at", "X=1", "--set", "T1=20", "--limit-um", "0"});
+  EXPECT_EQ(zero.exit, 0) << zero.err;
+}
+
 TEST_F(WrongInput, StrictTurnsWarningsIntoFour) {
   EXPECT_EQ(run_abbe({"predict", machine_, "--at", "X=1", "--set", "T1=20,T7=1"}).exit, 0);
   EXPECT_EQ(run_abbe({"predict", machine_, "--at", "X=1", "--set", "T1=20,T7=1", "--strict"}).exit, 4);
