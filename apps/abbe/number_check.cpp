@@ -28,7 +28,7 @@ CLI::Validator number_in(double least, double most) {
 }
 
 CLI::Validator not_negative() {
-  return check([](double value) { return value >= 0; }, "not below 0");
+  return check([](double value) { return value >= 0; }, "of 0 or more");
 }
 
 CLI::Validator above_zero() {
