@@ -25,7 +25,7 @@ Diagnostic whole_file(const std::string& name, const char* code, std::string mes
 
 /// A control reads a number of blocks ahead: the more there are, the less of the way it sees.
 std::optional<Diagnostic> growth_warning(const std::string& name, const RewriteReport& report) {
-  constexpr std::uint64_t kFewLines = 1000, kMuch = 2;
+  constexpr std::uint64_t kFewLines = 5000, kMuch = 2;
   if (report.lines_out < kFewLines || report.lines_out <= kMuch * report.lines_in) return std::nullopt;
   Diagnostic d =
       whole_file(name, "W-GROWTH",
