@@ -260,11 +260,11 @@ struct EndOfWriting {
 };
 
 /// Rewrites the program into the spool file and verifies that file: at once in two threads, or in turn. Fills
-/// both reports; that of the verification only if the rewriting was completed.
-void rewrite_and_verify(Run& run, const RewriteJob& rewrite, VerifyJob& verify, SpoolFile& spool,
-                        const Progress& progress) {
+/// both reports; that of the verification only if the rewriting was completed. `growth` lives as long as the
+/// spool file, which tells it of every byte.
+void rewrite_and_verify(Run& run, const RewriteJob& rewrite, VerifyJob verify, SpoolFile& spool,
+                        FileGrowth& growth, const Progress& progress) {
   const unsigned processors = run.job.threads != 0 ? run.job.threads : std::thread::hardware_concurrency();
-  FileGrowth growth;
   spool.tell(growth);
   verify.output_growth = &growth;
   std::atomic<bool> stop = false;
@@ -309,6 +309,7 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   if (!input || !paths_are_apart(run, *input) || !is_fresh(run, *input) || !calibration_holds(run))
     return std::move(run.outcome);
   if (!errors_are_of_the_machine(run)) return std::move(run.outcome);
+  FileGrowth growth;
   auto created = SpoolFile::create(job.output.empty() ? "-" : job.output);
   if (const auto* error = std::get_if<FileError>(&created)) {
     run.fail(job.output, *error);
@@ -340,7 +341,7 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   verify.output_path = spool.temporary_path();
   verify.output_name =
       job.output.empty() || job.output == "-" ? std::string("(compensated program)") : job.output;
-  rewrite_and_verify(run, rewrite, verify, spool, progress);
+  rewrite_and_verify(run, rewrite, std::move(verify), spool, growth, progress);
   run.add(outcome.rewrite.diagnostics);
   outcome.rewrite.sha256_in = input->sha256;
   report.rewrite = &outcome.rewrite;
