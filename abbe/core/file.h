@@ -102,7 +102,7 @@ class SpoolFile {
   SpoolFile(SpoolFile&&) noexcept;
   SpoolFile& operator=(SpoolFile&&) noexcept;
 
-  /// From now on `growth`, kept by the caller, says how far temporary_path() can be read.
+  /// From now on `growth`, which must outlive this file, says how far temporary_path() can be read.
   void tell(FileGrowth& growth);
   [[nodiscard]] bool write(std::string_view bytes);  ///< false: see error()
   [[nodiscard]] bool flush();                        ///< so that temporary_path() can be read
