@@ -139,6 +139,9 @@ TEST(Dialects, FurtherWorkOffsetsAreFollowed) {
   EXPECT_EQ(rewrite(scaled_machine(), "G21 G90 G54.1 P3 G0 X100. Y0 Z0\nM30\n", job).text,
             "G21 G90 G54.1 P3 G0 X99.990 Y0 Z0\nM30\n");
   EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G54.1 P4 G0 X100. Y0 Z0\nM30\n", job).has("E-WCS"));
+  EXPECT_THAT(
+      rewrite(scaled_machine(), "G21 G90 G54.1 P4 G0 X100. Y0 Z0\nM30\n", job).report.diagnostics[0].fix,
+      testing::HasSubstr("--offset G54.1P4=X"));
   EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G54.1 P301 G0 X100. Y0 Z0\nM30\n", job).has("E-WCS"));
   EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 G54.1 G0 X100. Y0 Z0\nM30\n", job).has("E-WCS"));
   job.setup.profile = embedded_profile("haas");
@@ -314,9 +317,8 @@ TEST(Siemens, FramesOfWordsAreFollowed) {
   EXPECT_EQ(
       siemens("G71 G90 G54 D0\nG0 X0 Y0 Z0\nTRANS X100\nAROT RPL=90\nG0 X0 Y-100\nROT\nG0 X0 Y0\nM30\n"),
       "G71 G90 G54 D0\nG0 X0 Y0 Z0\nTRANS X100\nAROT RPL=90\nG0 X0 Y-99.9900\nROT\nG0 X0 Y0\nM30\n");
-  EXPECT_EQ(
-      siemens("G71 G90 G54 D0\nG0 X0 Y0 Z0\nTRANS X100\nAROT Z90\nG0 X0 Y-100\nROT\nG0 X0 Y0\nM30\n"),
-      "G71 G90 G54 D0\nG0 X0 Y0 Z0\nTRANS X100\nAROT Z90\nG0 X0 Y-99.9900\nROT\nG0 X0 Y0\nM30\n");
+  EXPECT_EQ(siemens("G71 G90 G54 D0\nG0 X0 Y0 Z0\nTRANS X100\nAROT Z90\nG0 X0 Y-100\nROT\nG0 X0 Y0\nM30\n"),
+            "G71 G90 G54 D0\nG0 X0 Y0 Z0\nTRANS X100\nAROT Z90\nG0 X0 Y-99.9900\nROT\nG0 X0 Y0\nM30\n");
   EXPECT_EQ(siemens("G71 G90 G54 D0\nG505 G0 X0 Y0 Z0\nM30\n"),
             "G71 G90 G54 D0\nG505 G0 X-0.0050 Y0 Z0\nM30\n");
 }

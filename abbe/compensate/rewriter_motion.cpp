@@ -56,10 +56,15 @@ bool Rewriter::read_move(Move& move) {
     const auto active = static_cast<std::size_t>(frames.active());
     if (!frame_reported_[active]) {
       frame_reported_[active] = true;
-      refuse_block(
-          "E-WCS", fmt::format("the work offset {} is not known", work_offset_label(frames.active())),
-          "where on the machine the program runs, and so how large the errors are, depends on it",
-          "give it: --offset G54=X..,Y..,Z.. (to about 1 mm), or the control's parameter file with --var");
+      const std::string label = work_offset_label(frames.active());
+      std::string option = label;
+      std::erase(option, ' ');  // "G54.1P4"
+      const std::string fix = fmt::format(
+          "give it: --offset {}=X..,Y..,Z.. (to about 1 mm), or the control's parameter file with --var",
+          option);
+      refuse_block("E-WCS", fmt::format("the work offset {} is not known", label),
+                   "where on the machine the program runs, and so how large the errors are, depends on it",
+                   fix.c_str());
     }
     return false;
   }
