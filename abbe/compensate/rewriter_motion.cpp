@@ -16,8 +16,6 @@ constexpr double kFineSpacing = 2;
 constexpr std::size_t kMaxUniform = 64;
 // A command may leave its range by the rounding of its digits.
 constexpr double kTravelSlack = 1e-6;
-// The gradient between two points closer than this is dominated by rounding, mm.
-constexpr double kGradientBase = 0.05;
 
 }  // namespace
 

@@ -329,6 +329,14 @@ void Rewriter::write_timed(const Move& move, const std::vector<Piece>& pieces, s
   report_.lines_out += 2;
 }
 
+// How steeply the correction of the linear axes changes along the way of the tool. How it turns with the axes
+// is in it, so it says nothing about the machine file: reported only.
+void Rewriter::note_turning_gradient(const Move& move, const Stop& a, const Stop& b) {
+  const Vec3 way = (b.s - a.s) * (move.m1 - move.m0), change = b.m - a.m - way;
+  if (way.squaredNorm() > kGradientBase * kGradientBase)
+    report_.max_gradient = std::max(report_.max_gradient, change.norm() / way.norm());
+}
+
 bool Rewriter::turn(const Move& move, std::string& out) {
   const bool feed = instruction_.motion == 10;
   if (feed && !feed_allowed(move)) return false;
@@ -361,7 +369,10 @@ bool Rewriter::turn(const Move& move, std::string& out) {
     stops.push_back(*end);
   }
   std::vector<Piece> pieces;
+  const Stop* from = start_corrected_ ? &start : nullptr;
   for (const Stop& stop : stops) {
+    if (from != nullptr) note_turning_gradient(move, *from, stop);
+    from = &stop;
     pieces.push_back({pieces.empty() ? 0 : pieces.back().s1, stop.s, out_.frames.to_program(stop.m),
                       stop.turns, stop.numbers});
     if (stop.held) ++report_.held_blocks;

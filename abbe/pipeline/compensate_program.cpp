@@ -325,6 +325,8 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   rewrite.reversal = job.reversal;
   rewrite.tolerance = job.tolerance;
   rewrite.max_correction = job.max_correction;
+  rewrite.expand_drill = job.expand_drill;
+  rewrite.block_time = job.block_time;
   rewrite.trace_line = job.trace_line;
   ProgramReport report = run.report(verb, job.output);
   if (job.header == HeaderForm::inline_comments) {

@@ -85,6 +85,12 @@ std::string rewrite_text(const RewriteReport& rewrite) {
     text += line("cycles",
                  fmt::format("inside drilling cycles up to {} um remain", length_um(rewrite.cycle_residual)));
   }
+  if (rewrite.expanded_holes > 0) {
+    text +=
+        line("expanded", fmt::format("{} holes are written as G0 and G1, for the correction changes inside "
+                                     "their cycle",
+                                     rewrite.expanded_holes));
+  }
   return text;
 }
 

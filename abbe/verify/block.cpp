@@ -121,6 +121,9 @@ class Scanner : public WordTaker {
   bool stray(char c) {
     if (c == '#' || c == '[' || c == '=' || c == '<' || c == ']' || c == '>') return expression();
     const auto byte = static_cast<unsigned char>(c);
+    if (c == '*')
+      return refuse(fault_, at_ + 1, 1, "E-CHAR", "the checksum of a line", "it is of the line as it was",
+                    "write the program without checksums");
     return refuse(fault_, at_ + 1, 1, "E-CHAR",
                   byte > 0x20 && byte < 0x7f
                       ? fmt::format("'{}' outside a comment and without a word letter", c)

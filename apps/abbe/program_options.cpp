@@ -177,6 +177,8 @@ void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) 
       ->capture_default_str();
   verb.add_flag("--reversal", a.reversal,
                 "correct lost motion where an axis turns round, instead of its mean");
+  verb.add_flag("--expand-drill", a.expand_drill,
+                "G81 and G82 whose correction changes inside the hole become G0, G1 and G4");
   add_cl_options(verb, a.cl);
   verb.add_option("--report", a.report, "write the report as JSON");
   verb.add_option("--figure", a.figure, "draw the deviation before and after (SVG)");
@@ -275,6 +277,10 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, co
     findings.push_back(option_error("--reversal",
                                     "CL data do not say from which side the machine's axes come",
                                     "leave it out: the mean of both directions is corrected"));
+  if (cl && a.expand_drill)
+    findings.push_back(option_error("--expand-drill",
+                                    "the cycles of CL data become motions in the postprocessor",
+                                    "leave it out, or compensate the posted program"));
   session.report(findings);
   if (!findings.empty() || !good) return std::nullopt;
   auto plan = plan_or_report(*setting, setting->environment, session);
@@ -290,6 +296,7 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, co
   job.reversal = a.reversal;
   job.tolerance = a.tolerance_um * um;
   job.max_correction = a.max_correction_um * um;
+  job.expand_drill = a.expand_drill;
   job.limit = setting->limits.position;
   job.header = a.header == "inline"    ? HeaderForm::inline_comments
                : a.header == "sidecar" ? HeaderForm::sidecar
