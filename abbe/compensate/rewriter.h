@@ -79,7 +79,9 @@ class Rewriter {
   bool read_text_rules();
   bool settle_numbers();
   bool may_move();
-  [[nodiscard]] bool smooths_more_than_tolerance() const;
+  // rewriter_smoothing.cpp
+  [[nodiscard]] std::optional<double> smoothing_tolerance() const;
+  void warn_of_smoothing();
   void pass(std::string& out);
   void write_header(std::string& out);
   /// Axes whose word in this block is a distance, bits 0 1 2 = X Y Z.
@@ -146,6 +148,12 @@ class Rewriter {
   void put_feed_share(double fraction, bool first, std::string* extra);
   void stops_to_last(bool first, std::string* extra);
 
+  // rewriter_time.cpp: how long the pieces of a motion last
+  void measure_split(double length, double angle = 0);
+  void note_piece(double share);
+  void hold_splits(double residual);
+  bool refuse_short_blocks(double residual);
+
   void write_pieces(const Move& move, const std::vector<Piece>& pieces, std::string& out);
 
   // rewriter_turning.cpp: rotary axes and tool centre point control
@@ -170,7 +178,7 @@ class Rewriter {
     bool held = false;
   };
   std::optional<Stop> stop_at(const Move& move, double s, const Turns& from);
-  bool bends(const Move& move, const Stop& a, const Stop& b);
+  bool bends(const Move& move, const Stop& a, const Stop& b, double tolerance);
   bool split_turn(const Move& move, const Stop& a, const Stop& b, int depth, std::vector<Stop>& stops);
   void note_turning_gradient(const Move& move, const Stop& a, const Stop& b);
   bool choose_turning_feed(const Move& move, const Stop& start, const std::vector<Stop>& stops);
@@ -201,6 +209,7 @@ class Rewriter {
     bool first = true;  ///< written into the block of the original
     bool keeps_radius = false;
   };
+  bool fit_part(const Arc& nominal, double s0, double end, const Vec3& start, ArcPiece& piece);
   bool fit_piece(const Arc& nominal, double s0, double s1, const Vec3& start, bool whole, ArcPiece& piece);
   Vec3 rounded_end(const Vec3& want, const Vec3& p_out, bool first) const;
   [[nodiscard]] Value centre_value(int k, double centre, const Vec3& start, bool first, double& base) const;
@@ -349,6 +358,12 @@ class Rewriter {
   std::vector<ArcTarget> targets_;
   std::vector<Stretch> stretches_;
   std::vector<Piece> pieces_;
+  /// The feed motion that is being written.
+  struct Splitting {
+    double length = 0;  ///< mm
+    double time = 0;    ///< s, at least; 0: not known
+    double least = 0;   ///< share of the motion that no piece may be shorter than
+  } splitting_;
   std::string move_text_;  ///< decision in words, for the trace
 };
 

@@ -12,6 +12,8 @@ namespace {
 
 constexpr std::size_t kG9 = 90;
 constexpr std::size_t kG4 = 40;
+// Heights that differ by less are the same: places of one program, reckoned two ways, mm.
+constexpr double kSameHeight = 1e-7;
 
 }  // namespace
 
@@ -28,10 +30,10 @@ bool Rewriter::may_expand(const Holes& holes) {
   const bool dwells = cycle_.code == 820 && cycle_.dwells;
   const CodeUse& g4 = profile_.g[kG4];
   const bool g4_takes_p = g4.meaning == Meaning::dwell && (g4.words & letter_set("P")) != 0;
-  const char* why = !drills()                    ? "it follows holes that are written as G0 and G1"
-                    : modal_.feed_mode == 930    ? "it would need a time for each block (G93)"
-                    : withheld_ != 0             ? "an axis stands in machine coordinates"
-                    : in_.p()[holes.n] < holes.r ? "it begins below its R level"
+  const char* why = !drills()                 ? "it follows holes that are written as G0 and G1"
+                    : modal_.feed_mode == 930 ? "it would need a time for each block (G93)"
+                    : withheld_ != 0          ? "an axis stands in machine coordinates"
+                    : in_.p()[holes.n] < holes.r - kSameHeight ? "it begins below its R level"
                     : dwells && !(profile_.cycles.dwell_as_g4 && g4_takes_p)
                         ? "the profile does not say that G4 counts its P as the cycle does"
                         : nullptr;

@@ -238,6 +238,7 @@ VerifyJob verify_job(const ProgramJob& job) {
   verify.reversal = job.reversal;
   verify.tolerance = job.tolerance;
   verify.max_correction = job.max_correction;
+  verify.block_time = job.block_time;
   verify.samples = job.figure.empty() ? 0 : kFigureSamples;
   return verify;
 }

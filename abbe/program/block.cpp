@@ -132,6 +132,7 @@ std::optional<BlockError> begin_block(std::string_view line, Block& block) {
   block.slash = block.percent = block.has_comment = block.has_semicolon = false;
   block.slash_begin = block.slash_end = block.words_end = 0;
   block.count = 0;
+  block.increments = block.places = 0;
   if (block.text.size() <= kMaxBlockBytes) return std::nullopt;
   return BlockError{"E-LINELEN",
                     kMaxBlockBytes,

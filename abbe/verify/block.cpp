@@ -218,7 +218,7 @@ bool read_block(std::string_view line, const Profile& profile, Block& block, Fau
   block.tcp_code = -1;
   block.deletable = false;
   block.comment_count = 0;
-  block.increments = 0;
+  block.increments = block.places = 0;
   block.pole = Block::Pole::none;
   if (profile.text.conversational)
     return read_klartext_words(line, profile, continued, block, fault, tcp_codes);

@@ -65,6 +65,7 @@ class Comparison {
   bool cover_piece(Cover& cover, const Motion& piece);
   void follow_along(const Cover& cover, double t);
   void follow_at(const Cover& cover, double s);
+  void check_time(const Motion& piece, double length);
   bool take_up(Cover& cover, const Motion& piece);
   void sample_interval(Cover& cover, const Motion& piece, double from, const Vec3& error_from, double to,
                        const Vec3& error_to, const Vec3& tip_to, int depth);
