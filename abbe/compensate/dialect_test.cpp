@@ -230,6 +230,54 @@ TEST(Dialects, SmoothingIsCopiedAndReported) {
   EXPECT_FALSE(rewrite(scaled_machine(), "G0 X0 Y0 Z0\nG64 P0.0005\nM30\n").has("W-SMOOTH"));
 }
 
+/// What the program says of the smoothing's tolerance is held against ours, 1 um, in the units in force.
+TEST(Dialects, SmoothingWithinTheToleranceIsNotReported) {
+  struct Case {
+    const char* dialect;
+    const char* code;
+    bool reported;
+  };
+  for (const Case& c : {Case{"linuxcnc", "G64", true},
+                        {"linuxcnc", "G64 P0.0005 Q0.002", true},
+                        {"linuxcnc", "G20 G64 P0.0001", true},
+                        {"linuxcnc", "G20 G64 P0.00003", false},
+                        {"linuxcnc", "G61", false},
+                        {"fanuc", "G64", false},
+                        {"fanuc", "G5.1 Q0", false},
+                        {"fanuc", "G8 P1", true},
+                        {"fanuc", "G8 P0", false},
+                        {"haas", "G187 P1", true},
+                        {"haas", "G187 E0.0008", false},
+                        {"siemens", "CTOL=0.01", true},
+                        {"siemens", "CTOL = 0.0005", false},
+                        {"siemens", "CYCLE832(0.01,1,1)", true},
+                        {"siemens", "CYCLE832(0.0008,1)", false},
+                        {"siemens", "G642", true},
+                        {"siemens", "COMPCAD", true},
+                        {"siemens", "OTOL=0.0001", true},
+                        {"siemens", "COMPOF", false}}) {
+    const auto result =
+        rewrite(scaled_machine(), std::string("G90\n") + c.code + "\nM30\n", job_for(c.dialect));
+    EXPECT_TRUE(result.report.complete) << c.code << result.findings();
+    EXPECT_EQ(result.has("W-SMOOTH"), c.reported) << c.dialect << " " << c.code << result.findings();
+  }
+}
+
+TEST(Dialects, SiemensWordsThatSayWhatTheyAreStayAsTheyAre) {
+  const auto run = [](const std::string& body) {
+    return rewrite(scaled_machine(), "G71 G90 G54 D0\nG0 X0 Y0 Z0\n" + body + "M30\n", job_for("siemens"));
+  };
+  // X is 5e-5 too long: 100 becomes 99.995, and the way back from there 49.9975
+  const auto result = run("G1 X=IC(100) Y=AC(0) F100\nX=IC( -50 ) Z1\nY=IC(3)\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_THAT(result.text, HasSubstr("G1 X=IC(99.9950) Y=AC(0) F100\nX=IC( -49.9975 ) Z1\nY=IC(3)\n"));
+  EXPECT_TRUE(run("G91\nG1 X=AC(5) F100\n").has("E-BLOCK"));
+  EXPECT_TRUE(run("G1 F100\nG91\nX=AC(5)\n").has("E-BLOCK"));
+  EXPECT_TRUE(run("TRANS X=IC(5)\n").has("E-BLOCK"));
+  EXPECT_TRUE(run("SUPA G0 X=IC(5) D0\n").has("E-BLOCK"));
+  EXPECT_TRUE(run("AROT R90\n").has("E-EXPR"));
+}
+
 TEST(Dialects, TextOfAnotherControlIsRefused) {
   EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 ; comment\nM30\n", job_for("fanuc")).has("E-CHAR"));
   EXPECT_TRUE(rewrite(scaled_machine(), "%\nM30\n%\n", job_for("grbl")).has("E-CHAR"));

@@ -52,9 +52,24 @@ TEST(NamedBlock, NumbersStandWhereTheyAreEdited) {
   EXPECT_EQ(g_name(siemens(), static_cast<std::size_t>(std::lround(block.words[0].value * 10))), "SUPA");
 }
 
+TEST(NamedBlock, AWordMaySayThatItIsADistanceOrAPlace) {
+  Block block;
+  ASSERT_FALSE(read_named_block("G1 X=IC( -5.5 ) y=ac(3)Z4 F9", siemens(), block));
+  EXPECT_EQ(block.increments, 1);  // X
+  EXPECT_EQ(block.places, 2);      // Y
+  ASSERT_EQ(block.count, 5);
+  EXPECT_EQ(block.words[1].value, -5.5);
+  EXPECT_EQ(block.text.substr(block.words[1].number, 4), "-5.5");
+  EXPECT_EQ(block.words[3].letter, 'Z');
+  ASSERT_FALSE(read_named_block("X=IC(5)", siemens(), block));
+  EXPECT_EQ(block.words_end, 7) << "words are added behind the bracket";
+  ASSERT_FALSE(read_named_block("X5", siemens(), block));
+  EXPECT_EQ(block.increments | block.places, 0);
+}
+
 TEST(NamedBlock, WhatIsNotLiteralIsRefused) {
-  for (const char* line : {"X=R1", "X=10+R1", "X10*2", "R1=5", "_HOME=3", "X=AC(5)", "IF R1==5", "DEF REAL A",
-                           "GOTOF END", "X==5", "Z=_Z+5"})
+  for (const char* line : {"X=R1", "X=10+R1", "X10*2", "R1=5", "_HOME=3", "I=AC(5)", "X=IC(R1)", "X=IC(5",
+                           "R90", "IF R1==5", "DEF REAL A", "GOTOF END", "X==5", "Z=_Z+5"})
     EXPECT_EQ(words_of(line), "E-EXPR") << line;
   for (const char* line :
        {"UNHEARD_OF", "MSG(\"open", "CYCLE800(1)", "SUPA(3)", "COMPON=3", "LIMS=S1", "FGROUP(X,Y)"})
@@ -68,9 +83,9 @@ TEST(NamedBlock, WhatIsNotLiteralIsRefused) {
 
 // Any bytes: an answer, and words within the line.
 TEST(NamedBlock, AnyBytesAreReadOrRefused) {
-  const std::vector<std::string> lines = {"N10 G1X10.5Y-3 F250 ; c", "MSG(\"a;) \" ) G0 X=1",
-                                          "T=\"DRILL 8.5\" M6 D1", "/3 FGREF[A]=10 LABEL: SUPA",
-                                          "TRANS X1 Y=2 AROT RPL=30"};
+  const std::vector<std::string> lines = {"N10 G1X10.5Y-3 F250 ; c",  "MSG(\"a;) \" ) G0 X=1",
+                                          "T=\"DRILL 8.5\" M6 D1",    "/3 FGREF[A]=10 LABEL: SUPA",
+                                          "TRANS X1 Y=2 AROT RPL=30", "G1 X=IC(5) Y=AC(-3.25)Z1"};
   std::mt19937 random(7);
   Block block;
   for (int i = 0; i < 20000; ++i) {

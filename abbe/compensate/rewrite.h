@@ -22,6 +22,8 @@ struct RewriteJob {
   double tolerance = 1 * um;         ///< mm; half of it is spent on interpolation
   double max_correction = 500 * um;  ///< mm
   double max_gradient = 1e-3;        ///< mm per mm
+  bool expand_drill = false;         ///< G81 and G82 that cannot be shifted as a whole become G0, G1 and G4
+  double block_time = 0;             ///< no split makes a feed block that lasts shorter, s; 0: any
   std::vector<std::string> header;   ///< comment lines to put at the top, after '%' and the O word
   std::uint64_t trace_line = 0;      ///< explain this line of the program; 0 = none
 };

@@ -294,13 +294,7 @@ void Rewriter::execute(std::string& out) {
       if (edit_.changed()) ++report_.blocks.rewritten;
     }
   }
-  const bool smooths = instruction_.smooths || instruction_.path_control;
-  if (smooths && !smoothing_said_ && smooths_more_than_tolerance()) {
-    smoothing_said_ = true;
-    warn("W-SMOOTH", "the control's own smoothing is switched here: it is not modelled",
-         "it may move the tool within its tolerance, after the correction",
-         "set that tolerance well below the one of the compensation");
-  }
+  if ((instruction_.smooths || instruction_.path_control) && !smoothing_said_) warn_of_smoothing();
   if (instruction_.ends) ended_ = true;
   if (number_ == job_.trace_line) {
     BlockTrace trace;

@@ -34,6 +34,8 @@ class Rewriter {
  public:
   Rewriter(const Plan& plan, const AddressedAxes& axes, const RewriteJob& job, RewriteReport& report);
 
+  /// The gradient between two points closer than this is dominated by rounding, mm.
+  static constexpr double kGradientBase = 0.05;
   /// Most lines of one call of lines().
   static constexpr std::size_t kRows = 8;
   /// The next lines, with their end-of-line bytes; the first one has this number. Output lines are appended
@@ -77,7 +79,9 @@ class Rewriter {
   bool read_text_rules();
   bool settle_numbers();
   bool may_move();
-  [[nodiscard]] bool smooths_more_than_tolerance() const;
+  // rewriter_smoothing.cpp
+  [[nodiscard]] std::optional<double> smoothing_tolerance() const;
+  void warn_of_smoothing();
   void pass(std::string& out);
   void write_header(std::string& out);
   /// Axes whose word in this block is a distance, bits 0 1 2 = X Y Z.
@@ -144,6 +148,12 @@ class Rewriter {
   void put_feed_share(double fraction, bool first, std::string* extra);
   void stops_to_last(bool first, std::string* extra);
 
+  // rewriter_time.cpp: how long the pieces of a motion last
+  void measure_split(double length, double angle = 0);
+  void note_piece(double share);
+  void hold_splits(double residual);
+  bool refuse_short_blocks(double residual);
+
   void write_pieces(const Move& move, const std::vector<Piece>& pieces, std::string& out);
 
   // rewriter_turning.cpp: rotary axes and tool centre point control
@@ -168,8 +178,9 @@ class Rewriter {
     bool held = false;
   };
   std::optional<Stop> stop_at(const Move& move, double s, const Turns& from);
-  bool bends(const Move& move, const Stop& a, const Stop& b);
+  bool bends(const Move& move, const Stop& a, const Stop& b, double tolerance);
   bool split_turn(const Move& move, const Stop& a, const Stop& b, int depth, std::vector<Stop>& stops);
+  void note_turning_gradient(const Move& move, const Stop& a, const Stop& b);
   bool choose_turning_feed(const Move& move, const Stop& start, const std::vector<Stop>& stops);
   void write_timed(const Move& move, const std::vector<Piece>& pieces, std::string& out);
 
@@ -198,6 +209,7 @@ class Rewriter {
     bool first = true;  ///< written into the block of the original
     bool keeps_radius = false;
   };
+  bool fit_part(const Arc& nominal, double s0, double end, const Vec3& start, ArcPiece& piece);
   bool fit_piece(const Arc& nominal, double s0, double s1, const Vec3& start, bool whole, ArcPiece& piece);
   Vec3 rounded_end(const Vec3& want, const Vec3& p_out, bool first) const;
   [[nodiscard]] Value centre_value(int k, double centre, const Vec3& start, bool first, double& base) const;
@@ -225,9 +237,31 @@ class Rewriter {
   };
   bool read_holes(Holes& holes);
   bool keep_depth(int n);
-  bool shift_of(const Holes& holes, Vec3& shift);
+  /// How far the correction at both ends of the holes is from the shift of all, mm. nullopt: refused.
+  std::optional<double> shift_of(const Holes& holes, Vec3& shift);
+  void note_way_out(const Holes& holes, const Vec3& shift);
+  bool keeps_shape(double residual);
   [[nodiscard]] bool keeps_levels() const { return profile_.cycles.sticky == Profile::Sticky::levels; }
   double write_holes(const Holes& holes, const Vec3& shift, std::string& out, Vec3& p_out);
+
+  // rewriter_drill.cpp: a drilling cycle as the motions that it makes
+  /// The output of one block with holes: the block itself and those behind it, the place after them.
+  struct Expansion {
+    std::vector<std::string> blocks;  ///< words of those behind the first
+    Vec3 at = Vec3::Zero();           ///< of the original, program coordinates
+    Vec3 p_out = Vec3::Zero();        ///< of the output
+    bool first = true;                ///< the block of the original is not yet used up
+  };
+  void take_dwell();
+  /// G81, G82: what others do beside, like breaking chips, is the control's.
+  [[nodiscard]] bool drills() const { return cycle_.code == 810 || cycle_.code == 820; }
+  bool may_expand(const Holes& holes);
+  bool expand_holes(const Holes& holes, std::string& out);
+  bool drill(const Holes& holes, const Vec3& hole, Expansion& expansion);
+  bool go_rapidly(const Vec3& to, const Vec3& way, Expansion& expansion);
+  void write_first(const Vec3& want, Expansion& expansion);
+  void write_stroke(std::string words, const Vec3& want, Expansion& expansion);
+  void write_expansion(const Expansion& expansion, std::string& out);
 
   [[nodiscard]] int decimals_of(const Word* word) const;
   [[nodiscard]] double digit_room() const;
@@ -284,6 +318,9 @@ class Rewriter {
     double r = 0, z = 0;          ///< sticky words of the original, program units
     double r_out = 0, z_out = 0;  ///< of the output
     bool incremental = false;     ///< in which mode they were written
+    std::string dwell;            ///< P as the program spells it
+    bool dwells = false;          ///< and it is not zero
+    bool expanded = false;        ///< the output has written the last holes as G0 and G1
   } cycle_;
 
   /// Where a correction was larger than before, and what it was reckoned with.
@@ -321,6 +358,12 @@ class Rewriter {
   std::vector<ArcTarget> targets_;
   std::vector<Stretch> stretches_;
   std::vector<Piece> pieces_;
+  /// The feed motion that is being written.
+  struct Splitting {
+    double length = 0;  ///< mm
+    double time = 0;    ///< s, at least; 0: not known
+    double least = 0;   ///< share of the motion that no piece may be shorter than
+  } splitting_;
   std::string move_text_;  ///< decision in words, for the trace
 };
 

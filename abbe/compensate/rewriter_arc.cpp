@@ -343,7 +343,29 @@ bool Rewriter::arc(const Move& move, std::string& out) {
   return true;
 }
 
+// As few equal pieces of what is left as hold; several turns are either one block or unrolled. Pieces that
+// would be too short in time are not made: then what is left of the tolerance is spent, too.
+bool Rewriter::fit_part(const Arc& nominal, double s0, double end, const Vec3& start, ArcPiece& piece) {
+  const double usual = interpolation_;
+  for (const double tolerance : {usual, job_.tolerance}) {
+    interpolation_ = tolerance;
+    bool fitted = false;
+    for (int k = 1; k <= kMostPieces && !fitted && !findings_.refused(); k = k < 8 ? k + 1 : k + k / 4) {
+      const double s1 = k == 1 ? end : s0 + (end - s0) / k;
+      const bool whole = piece.first && s0 == 0 && s1 == 1;
+      if (!whole && std::abs(nominal.sweep) * (s1 - s0) > kTurn * 0.98) continue;
+      if (k > 1 && s1 - s0 < splitting_.least) break;
+      fitted = fit_piece(nominal, s0, s1, start, whole, piece);
+    }
+    interpolation_ = usual;
+    if (fitted && tolerance > usual) hold_splits(tolerance);
+    if (fitted || splitting_.least == 0) return fitted;
+  }
+  return false;
+}
+
 bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
+  measure_split(nominal.length());
   const bool by_pole = profile_.text.conversational;
   if (by_pole) {
     const auto leaves = leaves_plane(nominal, p_out.z());
@@ -386,16 +408,17 @@ bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
     while (s0 < stretch.s1) {
       ArcPiece piece;
       piece.first = blocks == 0;
-      bool fitted = false;
-      // As few equal pieces of what is left as hold; several turns are either one block or unrolled.
-      for (int k = 1; k <= kMostPieces && !fitted; k = k < 8 ? k + 1 : k + k / 4) {
-        const double s1 = k == 1 ? stretch.s1 : s0 + (stretch.s1 - s0) / k;
-        const bool whole = piece.first && s0 == 0 && s1 == 1;
-        if (!whole && std::abs(nominal.sweep) * (s1 - s0) > kTurn * 0.98) continue;
-        fitted = fit_piece(nominal, s0, s1, p_out, whole, piece);
-        if (!fitted && findings_.refused()) return false;
-      }
-      if (!fitted) {
+      if (!fit_part(nominal, s0, stretch.s1, p_out, piece)) {
+        if (findings_.refused()) return false;
+        if (splitting_.least > 0) return refuse_short_blocks(job_.tolerance);
+        if (!start_corrected_ && s0 == 0) {
+          refuse_block("E-POS",
+                       "an arc that begins where an axis is not corrected, and bends towards its end",
+                       "no arc leads from there onto the path within the tolerance: G53, a home position or "
+                       "another frame has left the axis where it is",
+                       "go to the arc's start with a G0 or G1 that names X, Y and Z");
+          return false;
+        }
         refuse_block("E-TOL", "no arcs follow the correction along this arc within the tolerance",
                      "the correction bends too much, or the arc is too short for its digits",
                      "post the arc as lines, or allow more with --tolerance-um");
@@ -419,10 +442,7 @@ bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
         if (const Word* p = instruction_.find(*block_, 'P'); p && turns > 1) edit_.remove(*p);
       }
       if (last && !first) stops_to_last(false, &extra);
-      if (!first) {
-        const double length = nominal.length() * (piece.s1 - piece.s0);
-        if (report_.shortest_split == 0 || length < report_.shortest_split) report_.shortest_split = length;
-      }
+      if (piece.s1 - piece.s0 < 1) note_piece(piece.s1 - piece.s0);
       end_block(last);
       ++pieces;
       ++report_.arcs_out;

@@ -26,8 +26,15 @@ void Rewriter::cycle(std::string& out) {
 
   Vec3 shift = Vec3::Zero(), end_out = out_.p();
   double r_out = holes.r;
-  const bool shifted = shift_of(holes, shift);
-  if (shifted) r_out = write_holes(holes, shift, out, end_out);
+  const auto residual = shift_of(holes, shift);
+  const bool expands =
+      residual && (cycle_.expanded || (job_.expand_drill && *residual > job_.tolerance && drills()));
+  if (expands && expand_holes(holes, out)) return;
+  const bool shifted = residual && !expands && keeps_shape(*residual);
+  if (shifted) {
+    note_way_out(holes, shift);
+    r_out = write_holes(holes, shift, out, end_out);
+  }
 
   Vec3 end = holes.last();
   end[holes.n] = modal_.retract_to_r ? holes.r : std::max(in_.cycle_level, holes.r);
@@ -62,9 +69,16 @@ bool Rewriter::read_holes(Holes& holes) {
     out_.cycle_level = out_.p()[holes.n];
   }
   if (cycle_.code != code) {
-    cycle_ = Cycle{};
+    Cycle fresh;
+    if (cycle_.code >= 0) {  // the sequence goes on
+      fresh.expanded = cycle_.expanded;
+      fresh.dwell = cycle_.dwell;
+      fresh.dwells = cycle_.dwells;
+    }
+    cycle_ = std::move(fresh);
     cycle_.code = code;
   }
+  take_dwell();
   if (cycle_.refused) return false;  // its first block was: one cause, one finding
   cycle_.refused = true;             // until it has been understood
   if (!keep_depth(holes.n)) return false;
@@ -145,15 +159,15 @@ bool Rewriter::keep_depth(int n) {
   return true;
 }
 
-// The shift of all holes of the block, program coordinates. False: refused.
-bool Rewriter::shift_of(const Holes& holes, Vec3& shift) {
+// The shift of all holes of the block, program coordinates.
+std::optional<double> Rewriter::shift_of(const Holes& holes, Vec3& shift) {
   const auto at_height = [&](Vec3 at, double h) {
     at[holes.n] = h;
     return in_.frames.to_machine(at);
   };
   const Vec3 middle = at_height((holes.first + holes.last()) / 2, (holes.r + holes.z) / 2);
   const auto c = correction_at(middle, withheld_, approach_);
-  if (!c) return false;
+  if (!c) return std::nullopt;
   note_correction(middle, *c);
   shift = in_.frames.vector_to_program(*c);
   if (holes.count > 1) {
@@ -166,23 +180,46 @@ bool Rewriter::shift_of(const Holes& holes, Vec3& shift) {
   for (int i = 0; i < holes.count; ++i) {
     for (const double h : {holes.r, holes.z}) {
       const auto there = correction_at(at_height(at, h), withheld_, approach_);
-      if (!there) return false;
+      if (!there) return std::nullopt;
       residual = std::max(residual, (in_.frames.vector_to_program(*there) - shift).norm());
     }
     at += holes.step;
   }
+  return residual;
+}
+
+// False, and said: the control makes these motions, and the correction changes in them.
+bool Rewriter::keeps_shape(double residual) {
   report_.cycle_residual = std::max(report_.cycle_residual, residual);
   if (residual > job_.tolerance) {
     refuse_block("E-CYCLE",
                  fmt::format("the correction changes by {:.2f} um inside this cycle", residual / um),
                  "the control makes the motions of the cycle itself, so it can only be shifted as a whole",
-                 "post the holes as G0 and G1, or allow more with --tolerance-um");
+                 drills() ? "--expand-drill writes such holes as G0 and G1; or allow more with --tolerance-um"
+                          : "post the holes as G0 and G1, or allow more with --tolerance-um");
     return false;
   }
   move_text_ =
       fmt::format("cycle: shifted as a whole by the correction at mid-depth; {:.2f} um of it change inside",
                   residual / um);
   return true;
+}
+
+// On the way out the drill is led by the hole: what the correction for the way up is aside of the shift
+// remains, too. Along the hole it cuts nothing any more.
+void Rewriter::note_way_out(const Holes& holes, const Vec3& shift) {
+  std::array<signed char, 3> upwards = approach_;
+  upwards[static_cast<std::size_t>(holes.n)] = 1;
+  if (!field_.depends_on_direction()) return;
+  for (const double h : {holes.r, holes.z}) {
+    Vec3 at = (holes.first + holes.last()) / 2;
+    at[holes.n] = h;
+    const auto there = correction_at(in_.frames.to_machine(at), withheld_, upwards);
+    if (!there) return;
+    Vec3 aside = in_.frames.vector_to_program(*there) - shift;
+    aside[holes.n] = 0;
+    report_.cycle_residual = std::max(report_.cycle_residual, aside.norm());
+  }
 }
 
 // Returns the R level of the output; `p_out` becomes the place of its last hole.

@@ -102,17 +102,6 @@ bool Rewriter::settle_numbers() {
   return good;
 }
 
-// A smoothing that says no tolerance may be any; G64 P Q state theirs.
-bool Rewriter::smooths_more_than_tolerance() const {
-  if (instruction_.smooths) return true;
-  if (!instruction_.path_control) return false;
-  for (const char letter : {'P', 'Q'}) {
-    const Word* word = instruction_.find(*block_, letter);
-    if (word != nullptr && word->value * modal_.unit() > job_.tolerance) return true;
-  }
-  return false;
-}
-
 // False: this motion depends on what the program has not said.
 bool Rewriter::may_move() {
   const bool in_work = instruction_.moves_axes || is_arc(instruction_.motion);

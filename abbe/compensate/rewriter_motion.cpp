@@ -16,8 +16,6 @@ constexpr double kFineSpacing = 2;
 constexpr std::size_t kMaxUniform = 64;
 // A command may leave its range by the rounding of its digits.
 constexpr double kTravelSlack = 1e-6;
-// The gradient between two points closer than this is dominated by rounding, mm.
-constexpr double kGradientBase = 0.05;
 
 }  // namespace
 
@@ -399,10 +397,9 @@ void Rewriter::write_pieces(const Move& move, const std::vector<Piece>& pieces, 
     if (timed_feed_ > 0 || modal_.feed_mode == 930) put_feed_share(piece.s1 - piece.s0, first, &extra);
     if (!last && first && timed_feed_ == 0) stops_to_last(true, nullptr);
     if (!first && last && timed_feed_ == 0) stops_to_last(false, &extra);
+    if (pieces.size() > 1) note_piece(piece.s1 - piece.s0);
     if (first || extra.size() == bare) continue;  // empty: the rounded end is where the last piece went
     add_block(extra, last ? eol_ : inner_eol, tail);
-    const double part = (piece.s1 - piece.s0) * (move.m1 - move.m0).norm();
-    if (report_.shortest_split == 0 || part < report_.shortest_split) report_.shortest_split = part;
   }
   const std::size_t begin = out.size();
   edit_.append_to(out);
@@ -465,6 +462,13 @@ bool Rewriter::straight(const Move& move, std::string& out) {
         return false;
       }
       ends = split_move(samples_, interpolation_);
+      measure_split(way.norm());
+      if (const auto joined = join_short(samples_, ends, splitting_.least); joined.size() < ends.size()) {
+        ends = joined;
+        const double residual = farthest_off(samples_, ends);
+        if (residual > job_.tolerance) return refuse_short_blocks(residual);
+        hold_splits(residual);
+      }
     }
   }
   pieces_.clear();

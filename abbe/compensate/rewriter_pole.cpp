@@ -118,6 +118,8 @@ bool Rewriter::chords(const Arc& nominal, std::string& out, Vec3& p_out) {
   }
   pieces_.clear();
   const int n = std::max(2, static_cast<int>(count));
+  if (1.0 / n < splitting_.least)
+    return refuse_short_blocks(interpolation_ * std::pow(n * splitting_.least, 2));
   for (int k = 1; k <= n; ++k) {
     const double s = static_cast<double>(k) / n;
     const Vec3 at = in_.frames.to_machine(nominal.at(s));

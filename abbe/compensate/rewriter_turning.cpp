@@ -237,7 +237,7 @@ std::optional<Rewriter::Stop> Rewriter::stop_at(const Move& move, double s, cons
 }
 
 // Is some place between two stops farther off than the interpolation may leave?
-bool Rewriter::bends(const Move& move, const Stop& a, const Stop& b) {
+bool Rewriter::bends(const Move& move, const Stop& a, const Stop& b, double tolerance) {
   const double length = (b.m - a.m).norm();
   double angle = 0;
   for (std::size_t k = 0; k < 3; ++k) angle = std::max(angle, std::abs(b.turns[k] - a.turns[k]));
@@ -255,14 +255,20 @@ bool Rewriter::bends(const Move& move, const Stop& a, const Stop& b) {
     }
     field_.set_stance(stance);
     const auto miss = field_.miss(move.m0 + s * (move.m1 - move.m0), a.m + t * (b.m - a.m));
-    if (!(miss.position <= interpolation_ && (miss.direction <= direction || a.held || b.held))) return true;
+    if (!(miss.position <= tolerance && (miss.direction <= direction || a.held || b.held))) return true;
   }
   return false;
 }
 
 bool Rewriter::split_turn(const Move& move, const Stop& a, const Stop& b, int depth,
                           std::vector<Stop>& stops) {
-  if (depth < kDeepest && bends(move, a, b)) {
+  const bool bent = depth < kDeepest && bends(move, a, b, interpolation_);
+  const bool too_short = (b.s - a.s) / 2 < splitting_.least;
+  if (bent && too_short) {
+    if (bends(move, a, b, job_.tolerance)) return refuse_short_blocks(job_.tolerance);
+    hold_splits(job_.tolerance);
+  }
+  if (bent && !too_short) {
     const auto middle = stop_at(move, (a.s + b.s) / 2, a.turns);
     if (!middle) return false;
     if (!split_turn(move, a, *middle, depth + 1, stops)) return false;
@@ -329,6 +335,14 @@ void Rewriter::write_timed(const Move& move, const std::vector<Piece>& pieces, s
   report_.lines_out += 2;
 }
 
+// How steeply the correction of the linear axes changes along the way of the tool. How it turns with the axes
+// is in it, so it says nothing about the machine file: reported only.
+void Rewriter::note_turning_gradient(const Move& move, const Stop& a, const Stop& b) {
+  const Vec3 way = (b.s - a.s) * (move.m1 - move.m0), change = b.m - a.m - way;
+  if (way.squaredNorm() > kGradientBase * kGradientBase)
+    report_.max_gradient = std::max(report_.max_gradient, change.norm() / way.norm());
+}
+
 bool Rewriter::turn(const Move& move, std::string& out) {
   const bool feed = instruction_.motion == 10;
   if (feed && !feed_allowed(move)) return false;
@@ -355,13 +369,19 @@ bool Rewriter::turn(const Move& move, std::string& out) {
   const Vec3 nominal_axes = field_.commanded_axes(move.m1);
   note_correction(move.m1, field_.standing_axes(end->m) - nominal_axes);
   std::vector<Stop> stops;
+  double angle = 0;
+  for (std::size_t k = 0; k < 3; ++k) angle = std::hypot(angle, (move.turns1[k] - move.turns0[k]) / deg);
+  measure_split((move.m1 - move.m0).norm(), angle);
   if (feed) {
     if (!split_turn(move, start, *end, 0, stops) || !choose_turning_feed(move, start, stops)) return false;
   } else {
     stops.push_back(*end);
   }
   std::vector<Piece> pieces;
+  const Stop* from = start_corrected_ ? &start : nullptr;
   for (const Stop& stop : stops) {
+    if (from != nullptr) note_turning_gradient(move, *from, stop);
+    from = &stop;
     pieces.push_back({pieces.empty() ? 0 : pieces.back().s1, stop.s, out_.frames.to_program(stop.m),
                       stop.turns, stop.numbers});
     if (stop.held) ++report_.held_blocks;

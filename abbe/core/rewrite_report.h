@@ -38,10 +38,14 @@ struct RewriteReport {
   std::uint64_t arcs_in = 0, arcs_out = 0;
   std::array<double, 3> max_correction{};  ///< per X Y Z, mm
   std::array<std::uint64_t, 3> max_line{};
-  double max_gradient = 0;        ///< mm per mm
-  double cycle_residual = 0;      ///< mm, inside canned cycles (rigid shift)
-  std::uint64_t held_blocks = 0;  ///< or records, with a rotary axis held near a singularity
-  double shortest_split = 0;      ///< mm, 0 = nothing split
+  double max_gradient = 0;           ///< mm per mm
+  double cycle_residual = 0;         ///< mm, inside canned cycles (rigid shift)
+  std::uint64_t held_blocks = 0;     ///< or records, with a rotary axis held near a singularity
+  std::uint64_t expanded_holes = 0;  ///< of drilling cycles that became G0, G1 and G4
+  double shortest_split = 0;         ///< mm, 0 = nothing split
+  double shortest_split_time = 0;    ///< s: least time of such a piece; 0: nothing split, or F not known
+  std::uint64_t held_splits = 0;     ///< motions that have fewer pieces than the tolerance asks for, for time
+  double held_residual = 0;          ///< mm: what remains in them
   /// How much farther off the tool is, at the worst of the places where the corrections were largest, per mm
   /// that the stated work offset or gauge length differs from the true one; mm per mm. None with rotary axes.
   struct Sensitivity {

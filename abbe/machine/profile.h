@@ -206,6 +206,7 @@ struct Profile {
     bool dwell_needed = true;   ///< a dwelling cycle must say P
     bool xy_only = false;       ///< in other planes refused
     bool level_below_r = true;  ///< the height before may lie below R; false: refused
+    bool dwell_as_g4 = true;    ///< P of a cycle counts as P of G4 does; false: cycles with it stay cycles
   } cycles;
 
   struct Tools {
@@ -250,6 +251,7 @@ struct Profile {
       true;  ///< beside turning axes F is of the linear ones where these move; false: not sure
   bool rapid_straight = true;     ///< rapids go straight; else their path is the control's
   bool arc_centre_switch = true;  ///< arcs may have absolute centres (a code says so)
+  double block_time = 0;  ///< a feed block that lasts shorter starves the control, s; 0: not known, no limit
 };
 
 /// The word that is a code of this control, or none. `name` in capitals. cost log(count).

@@ -90,7 +90,8 @@ void read_arcs(const TomlNode& root, Profile& profile, Findings& findings) {
 }
 
 void read_cycles(const TomlNode& root, Profile& profile, Findings& findings) {
-  const Section section(root, "cycles", {"repeats", "sticky", "dwell_needed", "xy_only", "level_below_r"},
+  const Section section(root, "cycles",
+                        {"repeats", "sticky", "dwell_needed", "xy_only", "level_below_r", "dwell_as_g4"},
                         findings);
   bool with_l = profile.cycles.repeats == 'L';
   section.choice("repeats", "L", "K", with_l);
@@ -99,6 +100,7 @@ void read_cycles(const TomlNode& root, Profile& profile, Findings& findings) {
   section.flag("dwell_needed", profile.cycles.dwell_needed);
   section.flag("xy_only", profile.cycles.xy_only);
   section.flag("level_below_r", profile.cycles.level_below_r);
+  section.flag("dwell_as_g4", profile.cycles.dwell_as_g4);
 }
 
 void read_states(const TomlNode& root, Profile& profile, Findings& findings) {
@@ -127,10 +129,14 @@ void read_states(const TomlNode& root, Profile& profile, Findings& findings) {
   offsets.choice("increments", "place", "unsure", profile.offsets.increments_sure);
   offsets.choice("l20", "reads", "further", profile.offsets.l20_reads);
   offsets.choice("p0", "active", "external", profile.offsets.p0_active);
-  const Section motion(root, "motion", {"home_beside_motion", "rapid_straight", "rotary_feed"}, findings);
+  const Section motion(root, "motion",
+                       {"home_beside_motion", "rapid_straight", "rotary_feed", "block_time_ms"}, findings);
   motion.flag("home_beside_motion", profile.home_beside_motion);
   motion.flag("rapid_straight", profile.rapid_straight);
   motion.choice("rotary_feed", "linear", "unsure", profile.feed_of_linear);
+  double milliseconds = profile.block_time * 1e3;
+  motion.positive("block_time_ms", milliseconds);
+  profile.block_time = milliseconds / 1e3;
 }
 
 /// What the repeats word and the further offsets bring with them.

@@ -238,6 +238,7 @@ VerifyJob verify_job(const ProgramJob& job) {
   verify.reversal = job.reversal;
   verify.tolerance = job.tolerance;
   verify.max_correction = job.max_correction;
+  verify.block_time = job.block_time;
   verify.samples = job.figure.empty() ? 0 : kFigureSamples;
   return verify;
 }
@@ -325,6 +326,8 @@ ProgramOutcome compensate_program(const Plan& plan, const ProgramJob& job, const
   rewrite.reversal = job.reversal;
   rewrite.tolerance = job.tolerance;
   rewrite.max_correction = job.max_correction;
+  rewrite.expand_drill = job.expand_drill;
+  rewrite.block_time = job.block_time;
   rewrite.trace_line = job.trace_line;
   ProgramReport report = run.report(verb, job.output);
   if (job.header == HeaderForm::inline_comments) {

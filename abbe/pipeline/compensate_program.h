@@ -35,14 +35,16 @@ struct ProgramJob {
   bool reversal = false;
   double tolerance = 1 * um;         ///< mm
   double max_correction = 500 * um;  ///< mm
+  bool expand_drill = false;         ///< RewriteJob::expand_drill
+  double block_time = 0;             ///< RewriteJob::block_time, s
   std::optional<double> limit;       ///< mm: pass or fail of what is left
   HeaderForm header = HeaderForm::inline_comments;
   std::string report, figure;    ///< paths; empty: none
   std::string version;           ///< of this program, for header and report
   std::string today;             ///< YYYY-MM-DD, to hold against [calibration] valid_to; empty: not checked
   std::uint64_t trace_line = 0;  ///< explain this line
-  unsigned threads = 0;          ///< 1: verify after rewriting; else at the same time, if there are processors
-  std::optional<ClSetting> cl;   ///< the program is CL data (APT, CLSF), not G code
+  unsigned threads = 0;         ///< 1: verify after rewriting; else at the same time, if there are processors
+  std::optional<ClSetting> cl;  ///< the program is CL data (APT, CLSF), not G code
 };
 
 enum class ProgramEnd { done, io, invalid, refused, outside, disagrees, stopped };

@@ -36,6 +36,14 @@ std::size_t skip_blanks(std::string_view text, std::size_t at) {
 
 BlockError bad_character(std::string_view text, std::size_t at) {
   const auto byte = static_cast<unsigned char>(text[at]);
+  if (text[at] == '*') {
+    return {"E-CHAR",
+            at,
+            1,
+            "'*': checksums of lines are not read",
+            "a block that is changed would need another one, and those behind it other numbers",
+            "write the program without checksums: senders add them"};
+  }
   if (kind_of(text[at]) == Kind::expression) {
     return {"E-EXPR",
             at,
@@ -124,6 +132,7 @@ std::optional<BlockError> begin_block(std::string_view line, Block& block) {
   block.slash = block.percent = block.has_comment = block.has_semicolon = false;
   block.slash_begin = block.slash_end = block.words_end = 0;
   block.count = 0;
+  block.increments = block.places = 0;
   if (block.text.size() <= kMaxBlockBytes) return std::nullopt;
   return BlockError{"E-LINELEN",
                     kMaxBlockBytes,

@@ -45,6 +45,7 @@ struct Block {
   enum class Pole : std::uint8_t { none, set, used };
   Pole pole = Pole::none;
   std::uint8_t increments = 0;  ///< axes whose word is a distance (IX), bits 0 1 2 = X Y Z
+  std::uint8_t places = 0;      ///< axes whose word is a place in G91, too (X=AC(5)), bits 0 1 2 = X Y Z
   bool continues = false;       ///< the line belongs to the block of the line before
   NumberStyle style;            ///< of numbers that are written into the block
 

@@ -500,7 +500,6 @@ std::optional<BlockNumber> read_block_number(std::string_view line) {
 std::optional<BlockError> read_klartext_block(std::string_view line, const Profile& profile,
                                               KlartextContext& context, Block& block) {
   block.pole = Block::Pole::none;
-  block.increments = 0;
   block.continues = context.open;
   block.style = {true, context.comma};
   if (auto error = begin_block(line, block)) return error;

@@ -332,7 +332,7 @@ constexpr Instruction kNothing = nothing();
 
 /// Most blocks: a line or rapid in force, its axes, perhaps a feed. False: `out` means nothing.
 bool is_plain_line(const Block& block, const ModalState& state, Instruction& out) {
-  if ((state.motion != 0 && state.motion != 10) || !state.stated) return false;
+  if ((state.motion != 0 && state.motion != 10) || !state.stated || block.places != 0) return false;
   out = kNothing;
   std::uint32_t present = 0;
   for (int i = 0; i < block.count; ++i) {
@@ -474,6 +474,12 @@ bool read_instruction(const Profile& profile, const Block& block, const ModalSta
     return whole_block("E-BLOCK", "a frame together with other codes or words",
                        "in which order the control takes them is not sure",
                        "give the frame a block of its own");
+  }
+  const bool incremental = out.distance >= 0 ? out.distance == 910 : state.incremental;
+  const bool stated = profile.text.names && (block.increments | block.places) != 0;
+  if (stated && (taken || makes_frame(out.zero) || out.zero == 530 || (block.places != 0 && incremental))) {
+    return whole_block("E-BLOCK", "AC() or IC() in a block that is no plain motion, or AC() in G91",
+                       "what the word means there is not sure", "give the block G90 and its words places");
   }
   if (out.smooths && out.moves_axes) {
     return whole_block("E-BLOCK", "axis words beside a smoothing code",

@@ -102,13 +102,38 @@ class NamedLine {
                         "a word that is not understood may move the machine or change a frame",
                         "remove it, or post without it"};
     }
+    if (name[0] == 'R') return expression(begin, end - begin, name);  // a variable: radii are CR=, turns RPL=
     return read_letter(name[0], begin, begin + 1);
+  }
+
+  /// "IC(5)", "AC(5)" of X Y Z: this word alone is a distance, or a place. nullopt: neither.
+  [[nodiscard]] std::optional<bool> states_distance(char letter, std::size_t at) const {
+    const bool known =
+        letter >= 'X' && letter <= 'Z' && at + 2 < text_.size() && capital(text_[at + 1]) == 'C';
+    if (!known || next_after_blanks(at + 2) != '(') return std::nullopt;
+    const char kind = capital(text_[at]);
+    return kind == 'I' ? std::optional(true) : kind == 'A' ? std::optional(false) : std::nullopt;
+  }
+  std::optional<BlockError> read_stated(char letter, bool distance, std::size_t begin, std::size_t at) {
+    std::size_t number_at = text_.find('(', at) + 1;
+    while (number_at < text_.size() && is_blank(text_[number_at])) ++number_at;
+    const Decimal number = read_decimal(text_.substr(number_at));
+    const std::size_t end = number_at + number.length;
+    if (number.length == 0 || next_after_blanks(end) != ')')
+      return expression(begin, std::min(end + 1, text_.size()) - begin, text_.substr(begin, end - begin));
+    auto error = add(letter, begin, number_at, end, number.value, number.decimals);
+    auto& axes = distance ? block_.increments : block_.places;
+    axes = static_cast<std::uint8_t>(axes | 1u << (letter - 'X'));
+    at_ = text_.find(')', end) + 1;
+    block_.words_end = static_cast<std::uint16_t>(at_);
+    return error;
   }
 
   /// "X10.5", or what follows "X=": the number begins at or behind `at`.
   std::optional<BlockError> read_letter(char letter, std::size_t begin, std::size_t at) {
     if (letter == 'Z' && turns_) letter = 'R';  // in G17 a turn about Z is one in the plane: RPL
     while (at < text_.size() && is_blank(text_[at])) ++at;
+    if (const auto distance = states_distance(letter, at)) return read_stated(letter, *distance, begin, at);
     if (letter == 'T' && at < text_.size() && text_[at] == '"') return read_tool_name(begin, at);
     const Decimal number = read_decimal(text_.substr(at));
     if (number.length == 0 || !begins_number(text_[at])) {

@@ -85,6 +85,22 @@ std::string rewrite_text(const RewriteReport& rewrite) {
     text += line("cycles",
                  fmt::format("inside drilling cycles up to {} um remain", length_um(rewrite.cycle_residual)));
   }
+  if (rewrite.shortest_split > 0) {
+    const std::string time = rewrite.shortest_split_time > 0
+                                 ? fmt::format(", {:.3g} ms at its feed", rewrite.shortest_split_time * 1e3)
+                                 : std::string();
+    text += line("split", fmt::format("shortest new piece {:.3g} mm{}", rewrite.shortest_split, time));
+  }
+  if (rewrite.held_splits > 0) {
+    text += line("not split", fmt::format("{} times, for the time of a block: up to {} um remain there",
+                                          rewrite.held_splits, length_um(rewrite.held_residual)));
+  }
+  if (rewrite.expanded_holes > 0) {
+    text +=
+        line("expanded", fmt::format("{} holes are written as G0 and G1, for the correction changes inside "
+                                     "their cycle",
+                                     rewrite.expanded_holes));
+  }
   return text;
 }
 

@@ -255,7 +255,11 @@ std::string json_report(const ProgramReport& report) {
     // 1 mm/mm = 1e6 um/m
     json.member("max_gradient_um_per_m", rewrite.max_gradient / um * metre).end();
     json.member("cycle_residual_um", rewrite.cycle_residual / um);
+    json.member("expanded_holes", rewrite.expanded_holes);
     json.member("shortest_split_mm", rewrite.shortest_split);
+    json.member("shortest_split_ms", rewrite.shortest_split_time * 1e3);
+    json.key("held_splits").begin_object(Layout::one_line);
+    json.member("count", rewrite.held_splits).member("residual_um", rewrite.held_residual / um).end();
     if (rewrite.sensitivity) {
       json.key("sensitivity").begin_object(Layout::one_line);
       json.member("offset_um_per_mm", rewrite.sensitivity->offset / um);

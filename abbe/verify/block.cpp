@@ -121,6 +121,9 @@ class Scanner : public WordTaker {
   bool stray(char c) {
     if (c == '#' || c == '[' || c == '=' || c == '<' || c == ']' || c == '>') return expression();
     const auto byte = static_cast<unsigned char>(c);
+    if (c == '*')
+      return refuse(fault_, at_ + 1, 1, "E-CHAR", "the checksum of a line", "it is of the line as it was",
+                    "write the program without checksums");
     return refuse(fault_, at_ + 1, 1, "E-CHAR",
                   byte > 0x20 && byte < 0x7f
                       ? fmt::format("'{}' outside a comment and without a word letter", c)
@@ -215,7 +218,7 @@ bool read_block(std::string_view line, const Profile& profile, Block& block, Fau
   block.tcp_code = -1;
   block.deletable = false;
   block.comment_count = 0;
-  block.increments = 0;
+  block.increments = block.places = 0;
   block.pole = Block::Pole::none;
   if (profile.text.conversational)
     return read_klartext_words(line, profile, continued, block, fault, tcp_codes);

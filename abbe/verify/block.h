@@ -79,6 +79,7 @@ struct Block {
   bool deletable = false;        ///< starts with '/'
   std::string_view tool_name;    ///< T="..", without quotes; the T word is then 0
   std::uint32_t increments = 0;  ///< axes whose word is a distance by itself (IX), bits 0 1 2 = X Y Z
+  std::uint32_t places = 0;      ///< axes whose word is a place in G91, too (X=AC(5))
   enum class Pole : std::uint8_t { none, set, used };
   Pole pole = Pole::none;  ///< CC X Y: sets the centre of the arcs that follow; C: goes about it
   int comment_count = 0;

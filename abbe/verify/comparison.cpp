@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "abbe/core/units.h"
 
@@ -215,6 +216,11 @@ void Comparison::compare_motion() {
     return expected.turns() ? cover_turning(expected) : cover(expected);
   if (!pull_motion()) return;
   const Motion& found = output_.motion();
+  const bool drills = expected.kind == MotionKind::cycle && (expected.code == 810 || expected.code == 820);
+  if (drills && !found.machine_words && (found.kind == MotionKind::rapid || found.kind == MotionKind::line)) {
+    put_back(Item::motion);
+    return cover_drill(expected);
+  }
   output_turns_ = found.turns_end;
   if (turns && (!stand(expected.turns_end, output_turns_) || !check_turns(expected, found))) return;
   if (expected.kind != found.kind || expected.machine_words != found.machine_words ||
@@ -245,6 +251,7 @@ void Comparison::compare_motion() {
 }
 
 ProgramReader::Item Comparison::pull() {
+  if (put_back_) return *std::exchange(put_back_, std::nullopt);
   const Item item = output_.next();
   if (const auto places = output_.ahead(); !places.empty()) model_.look_ahead(places, approach_);
   return item;

@@ -38,6 +38,7 @@ class Comparison {
   void compare_motion();
   Item pull();         ///< the output's next item
   bool pull_motion();  ///< the output's next item must be a motion
+  void put_back(Item item) { put_back_ = item; }
   [[gnu::cold]] void explain_disorder(Item found, const Event* expected);
   [[gnu::cold]] void disagree(const char* code, std::string message);
   [[gnu::cold]] void disagree_and_stop(const char* code, std::string message);
@@ -64,11 +65,21 @@ class Comparison {
   bool cover_piece(Cover& cover, const Motion& piece);
   void follow_along(const Cover& cover, double t);
   void follow_at(const Cover& cover, double s);
+  void check_time(const Motion& piece, double length);
   bool take_up(Cover& cover, const Motion& piece);
   void sample_interval(Cover& cover, const Motion& piece, double from, const Vec3& error_from, double to,
                        const Vec3& error_to, const Vec3& tip_to, int depth);
   void account(Cover& cover, const Motion& piece, double t, const Vec3& command, const Vec3& tip);
   void conclude(Cover& cover);
+
+  // cover_drill.cpp: drilling cycles that the output has as lines and rapids
+  void cover_drill(const Motion& original);
+  bool drill_hole(const Motion& stroke, const Vec3& clear, Vec3& stood);
+  bool rapid_to(const Vec3& place, const Vec3& way, Vec3& stood);
+  bool stops_at_bottom(const Motion& original);
+  bool rise(const Motion& stroke, Vec3& stood);
+  bool pull_rapid(Vec3& end);
+  bool take_rapid();
 
   // cover_turning.cpp: feed motions with rotary axes
   struct TurnCover;
@@ -105,6 +116,7 @@ class Comparison {
   double half_digit_mm_, half_digit_inch_;  ///< half of the last digit that the control resolves, mm
 
   bool stop_ = false;
+  std::optional<Item> put_back_;  ///< the output's present item, to be pulled once more
   std::size_t disagreements_ = 0;
   bool context_changed_ = true;
   Vec3 datum_ = Vec3::Zero();

@@ -125,7 +125,8 @@ bool Control::execute_settled() {
   // Most blocks: axis words for the line or rapid in force, and nothing else.
   const bool words_of_axes = block.words != 0 && (block.words & ~kAxisLetters) == 0;
   if (words_of_axes && (block.g_groups | block.m_groups) == 0 &&
-      (block.comment_count | block.extra_count) == 0 && block.tcp_code < 0 && (mode_ == 0 || mode_ == 10)) {
+      (block.comment_count | block.extra_count) == 0 && block.tcp_code < 0 && block.places == 0 &&
+      (mode_ == 0 || mode_ == 10)) {
     motion_code_ = mode_;
     return move();
   }
@@ -193,6 +194,11 @@ bool Control::choose_motion() {
                        "no motion is active: the control stops here", "begin with G0, G1, G2 or G3");
     motion_code_ = mode_;
   }
+  const bool in_increments = b.g_code(3) >= 0 ? b.g_code(3) == 910 : incremental_;
+  if (profile_.text.names && (b.increments | b.places) != 0 &&
+      (covets_ || group0 == 530 || (b.places != 0 && in_increments)))
+    return refuse(1, "E-BLOCK", "AC or IC in such a block", "what it means there is not defined",
+                  "write places in G90");
   if (group0 == 530) {
     const int distance = b.g_code(3) >= 0 ? b.g_code(3) : incremental_ ? 910 : 900;
     const int motion = motion_code_ >= 0 ? motion_code_ : explicit_motion >= 0 ? explicit_motion : mode_;

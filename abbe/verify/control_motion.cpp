@@ -233,6 +233,7 @@ bool Control::arc_centre(const Vec3& start, const Vec3& end, int a, int b, Vec3&
 /// Takes R, the depth, P and Q of the block or, inside one kind of cycle, the last ones.
 bool Control::cycle_words(int axis) {
   const bool goes_on = mode_ == motion_code_;
+  if (mode_ < 730 || mode_ == 800) cycle_p_ = cycle_q_ = std::nullopt;  // a new sequence
   const auto take = [&](char letter, std::optional<double>& sticky, double unit, bool needed) {
     if (block_->has(letter)) {
       if (letter != axis_letter(axis) && !use(letter)) return false;

@@ -206,6 +206,7 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
       disagree("V-FEED", fmt::format("F{:g} gives this piece {:.2f} % of the time for {:.2f} % of the path",
                                      piece.feed, 100 * time_share, 100 * path_share));
   }
+  if (!(complete && cover.pieces == 1)) check_time(piece, piece_length);
   if (!complete && !(cover.worst < job_.max_correction && cover.worst_back < job_.max_correction)) {
     // This piece does not belong to the original: what comes after it cannot be matched either.
     stop_ = true;
@@ -229,6 +230,17 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
       disagree("V-END", fmt::format("{} was left in machine coordinates (G53) and may not be moved here",
                                     static_cast<char>('X' + i)));
   return true;
+}
+
+/// A piece of a split motion may not be faster than the control reads blocks:  T = length / F, in inverse
+/// time 60 s / F. Where lost motion is taken up, pieces end where an axis turns, however short they are.
+void Comparison::check_time(const Motion& piece, double length) {
+  if (!(job_.block_time > 0) || job_.reversal || !(piece.feed > 0) || piece.feed_mode == 950) return;
+  const double unit = output_.inch() ? abbe::inch : abbe::mm;
+  const double time = piece.feed_mode == 930 ? 60 / piece.feed : 60 * length / unit / piece.feed;
+  if (time >= (1 - kShareTolerance) * job_.block_time) return;
+  disagree("V-FEED", fmt::format("this piece lasts {:.3g} ms, the control reads blocks of {:.3g} ms",
+                                 time * 1e3, job_.block_time * 1e3));
 }
 
 Vec3 Comparison::start_tip(const Vec3& command) {

@@ -96,8 +96,29 @@ class NamedScanner : public WordTaker {
                     fmt::format("{} is not understood for {}", name, profile_.title),
                     "an unknown word may move the machine or change its state",
                     "post the program without it");
+    if (name[0] == 'R') return not_literal(begin, at_);  // R90 is a variable
     at_ = begin + 1;
     return number_word(name[0], begin);
+  }
+
+  /// X=IC(..) counts from where the axis stands, X=AC(..) from zero, whatever G90 and G91 say.
+  bool stated_word(char letter, std::size_t begin) {
+    char kind = 0, second = 0;
+    const bool function = is_capital_of(at(at_), kind) && is_capital_of(at(at_ + 1), second);
+    const std::size_t open = behind_blanks(at_ + 2);
+    if (!function || second != 'C' || (kind != 'I' && kind != 'A') || at(open) != '(')
+      return not_literal(begin, at_);
+    at_ = open + 1;
+    leave_blanks();
+    const Decimal number = read_decimal(rest());
+    const std::size_t close = behind_blanks(at_ + number.length);
+    if (number.length == 0 || at(close) != ')' || !(std::abs(number.value) <= kMaxNumber))
+      return not_literal(begin, close);
+    at_ = close + 1;
+    const bool first =
+        block_.words == 0 && block_.g_groups == 0 && block_.m_groups == 0 && block_.extra_count == 0;
+    (kind == 'I' ? block_.increments : block_.places) |= 1u << (letter - 'X');
+    return value_word(letter, number.value, begin + 1, first);
   }
 
   bool assigned(const std::string& name, std::size_t begin, std::size_t equals) {
@@ -126,6 +147,7 @@ class NamedScanner : public WordTaker {
     }
     if (behind_turn_ && letter == 'Z') letter = 'R';  // ROT Z90 in G17: as ROT RPL=90
     const Decimal number = read_decimal(rest());
+    if (number.length == 0 && letter >= 'X' && letter <= 'Z') return stated_word(letter, begin);
     if (number.length == 0) return not_literal(begin, at_);
     at_ += number.length;
     char capital = 0;

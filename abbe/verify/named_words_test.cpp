@@ -104,10 +104,25 @@ TEST(NamedWords, WhateverChangesIsFound) {
     EXPECT_FALSE(compared(changed(from, to)).agrees) << from << " -> " << to;
 }
 
+/// X=IC(5) counts from where the axis stands, X=AC(5) from zero.
+TEST(NamedWords, StatedDistancesAndPlacesAreFollowed) {
+  const std::string places = changed("G4 F2\n", "G1 X35 Y22\nX50 Y25\nG4 F2\n");
+  for (const char* same : {"G1 X=IC(5) Y=AC(22)\nX=AC( 50 ) Y = IC(3)\n", "G1 X35 Y=IC(2)\nX=IC(15)Y25\n"})
+    EXPECT_TRUE(compared(changed("G4 F2\n", std::string(same) + "G4 F2\n"), places).agrees) << same;
+  for (const char* other : {"G1 X=AC(5) Y=AC(22)\nX50 Y25\n", "G1 X=IC(5) Y=IC(22)\nX50 Y25\n",
+                            "G1 X=IC(5.01) Y=AC(22)\nX50 Y25\n"})
+    EXPECT_FALSE(compared(changed("G4 F2\n", std::string(other) + "G4 F2\n"), places).agrees) << other;
+}
+
 TEST(NamedWords, WhatIsNotUnderstoodIsRefused) {
   const std::vector<std::pair<std::string, std::string>> refused = {{"X=R1", "E-EXPR"},
                                                                     {"R1=5", "E-EXPR"},
-                                                                    {"X=AC(5)", "E-EXPR"},
+                                                                    {"I=AC(5)", "E-EXPR"},
+                                                                    {"X=IC(R1)", "E-EXPR"},
+                                                                    {"AROT R90", "E-EXPR"},
+                                                                    {"G91 G1 X=AC(5)", "E-BLOCK"},
+                                                                    {"TRANS X=IC(5)", "E-BLOCK"},
+                                                                    {"SUPA X=IC(5) D0", "E-BLOCK"},
                                                                     {"IF R1", "E-EXPR"},
                                                                     {"MCALL CYCLE81(1)", "E-CYCLE"},
                                                                     {"G41 X1", "E-CUTCOM"},

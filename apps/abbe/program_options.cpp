@@ -177,6 +177,12 @@ void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) 
       ->capture_default_str();
   verb.add_flag("--reversal", a.reversal,
                 "correct lost motion where an axis turns round, instead of its mean");
+  verb.add_flag("--expand-drill", a.expand_drill,
+                "G81 and G82 whose correction changes inside the hole become G0, G1 and G4");
+  verb.add_option("--min-block-time", a.min_block_time_ms,
+                  "no split makes a feed block that lasts shorter, ms (0: any; the profile's otherwise)")
+      ->check(number_in(0.0, 1e4))
+      ->type_name("MS");
   add_cl_options(verb, a.cl);
   verb.add_option("--report", a.report, "write the report as JSON");
   verb.add_option("--figure", a.figure, "draw the deviation before and after (SVG)");
@@ -275,6 +281,14 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, co
     findings.push_back(option_error("--reversal",
                                     "CL data do not say from which side the machine's axes come",
                                     "leave it out: the mean of both directions is corrected"));
+  if (cl && a.expand_drill)
+    findings.push_back(option_error("--expand-drill",
+                                    "the cycles of CL data become motions in the postprocessor",
+                                    "leave it out, or compensate the posted program"));
+  if (cl && a.min_block_time_ms)
+    findings.push_back(option_error("--min-block-time",
+                                    "how fast the control reads CL data depends on the post",
+                                    "leave it out, or compensate the posted program"));
   session.report(findings);
   if (!findings.empty() || !good) return std::nullopt;
   auto plan = plan_or_report(*setting, setting->environment, session);
@@ -285,11 +299,14 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, co
   job.environment = setting->environment;
   // Header and report say what part the program was made for. Names of sensors hold no blanks.
   add_to_environment(a.expansion, job.environment);
+  if (setup.profile != nullptr) job.block_time = setup.profile->block_time;
+  if (a.min_block_time_ms) job.block_time = *a.min_block_time_ms / 1e3;
   job.setup = std::move(setup);
   job.datum = a.datum == "probed" ? DatumRule::probed : DatumRule::ideal;
   job.reversal = a.reversal;
   job.tolerance = a.tolerance_um * um;
   job.max_correction = a.max_correction_um * um;
+  job.expand_drill = a.expand_drill;
   job.limit = setting->limits.position;
   job.header = a.header == "inline"    ? HeaderForm::inline_comments
                : a.header == "sidecar" ? HeaderForm::sidecar

@@ -22,7 +22,8 @@ struct ProgramArguments {
   std::string tools, parameters, block_delete, tool_change = "moves", datum = "probed", header = "inline";
   std::optional<int> tool;
   double tolerance_um = 1, max_correction_um = 500;
-  bool reversal = false;
+  std::optional<double> min_block_time_ms;
+  bool reversal = false, expand_drill = false;
   std::string report, figure;
   ClArguments cl;
   ExpansionArguments expansion;
