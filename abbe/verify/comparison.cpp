@@ -213,7 +213,7 @@ void Comparison::compare_motion() {
     return disagree_and_stop("V-FEED", "G93 in the output for a motion that needs no time of its own");
   if (expected.feeds() && !expected.machine_words)
     return expected.turns() ? cover_turning(expected) : cover(expected);
-  if (!pull_motion()) return;
+  if (!pull_motion() || !skip_step_to_hole(expected)) return;
   const Motion& found = output_.motion();
   output_turns_ = found.turns_end;
   if (turns && (!stand(expected.turns_end, output_turns_) || !check_turns(expected, found))) return;
