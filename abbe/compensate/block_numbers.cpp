@@ -28,10 +28,13 @@ bool BlockNumbers::renumber(std::string_view text, std::size_t begin, std::strin
   const bool numbered = read_block_number(text).has_value();
   const std::string written = out.substr(begin);
   out.resize(begin);
-  bool grow = true;
+  bool grow = true, goes_on = false;
   for (std::size_t at = 0; at < written.size();) {
     const std::size_t end = std::min(written.find('\n', at), written.size() - 1) + 1;
-    grow = append(std::string_view(written).substr(at, end - at), numbered, out) && grow;
+    const std::string_view line = std::string_view(written).substr(at, end - at);
+    grow = append(line, numbered && !goes_on, out) && grow;
+    const std::size_t last = line.find_last_not_of(" \t\r\n");
+    goes_on = last != std::string_view::npos && line[last] == '~';
     at = end;
   }
   return grow;

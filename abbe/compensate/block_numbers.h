@@ -8,7 +8,8 @@
 namespace abbe {
 
 /// Numbers of the blocks of a conversational program. Blocks that were added get the number behind the one
-/// before them, and all numbers that follow grow by as many. Lines without a number keep none.
+/// before them, and all numbers that follow grow by as many. Lines without a number keep none; neither does a
+/// line behind '~', which belongs to the block of the line before.
 class BlockNumbers {
  public:
   /// Numbers the lines of `out` from `begin` on, which have come of the block `text`.

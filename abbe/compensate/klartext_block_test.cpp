@@ -55,6 +55,10 @@ TEST(KlartextBlock, OtherBlocksAreUnderstood) {
   EXPECT_EQ(words_of("8 CYCL DEF 32.1 T0.05"), "CYCL32");
   EXPECT_EQ(words_of("8 CYCL DEF 247 PRESET Q339=+4 ;ROW"), "CYCL247 P4");
   EXPECT_EQ(words_of("8 STOP M5"), "M0 M5");
+  EXPECT_EQ(words_of("8 CYCL CALL M8"), "M99 M8");
+  EXPECT_EQ(words_of("8 L X+5 FMAX M99"), "G0 X5 M99");
+  EXPECT_EQ(words_of("8 CYCL DEF 200 DRILL ~"), "");
+  EXPECT_EQ(words_of("8 CYCL DEF 201 Q QUER Q200=+2 Q201=-5 ;A"), "Q2 Q-5");
   for (const char* line : {"", ";TEXT", "4 * - HEADING", "4 BLK FORM 0.1 Z X-75 Y-140 Z-70", "5 LBL 1",
                            "5 TOOL DEF 7", "6 CYCL DEF 7.0 NULLPUNKT", "7"})
     EXPECT_EQ(words_of(line), "") << line;
@@ -67,8 +71,15 @@ TEST(KlartextBlock, WhatMayMoveOtherwiseIsRefused) {
                                                                     {"FN 0: Q5 = 3", "E-EXPR"},
                                                                     {"L X+1 RL", "E-CUTCOM"},
                                                                     {"L X+1 RR F500", "E-CUTCOM"},
-                                                                    {"CYCL DEF 200 X ~", "E-CYCLE"},
-                                                                    {"CYCL CALL M3", "E-CYCLE"},
+                                                                    {"CYCL DEF 200 X Q335=5", "E-CYCLE"},
+                                                                    {"CYCL DEF 200 Q200=Q1", "E-EXPR"},
+                                                                    {"CYCL DEF 251 Q215=0", "E-CYCLE"},
+                                                                    {"CYCL DEF 200.1 X+5", "E-GCODE"},
+                                                                    {"CYCL DEF 247", "E-WCS"},
+                                                                    {"CYCL DEF 247 PRESET ;Q339=1", "E-WCS"},
+                                                                    {"L X+1 F500 FMAX", "E-FEED"},
+                                                                    {"L X+1 FMAX F AUTO", "E-FEED"},
+                                                                    {"CYCL CALL PAT", "E-GCODE"},
                                                                     {"CYCL DEF 7.1 #5", "E-FRAME"},
                                                                     {"CYCL DEF 7.1 IX+5", "E-FRAME"},
                                                                     {"CYCL DEF 10.0 DREHUNG", "E-FRAME"},
@@ -117,6 +128,28 @@ TEST(KlartextBlock, ABlockGoesOnBehindATilde) {
   EXPECT_EQ(block.count, 0);
   ASSERT_FALSE(read_klartext_block("L X+5", heidenhain(), context, block));
   EXPECT_EQ(block.count, 2);
+}
+
+// Drilling cycles have Q words in lines of their own, with '~' or without, until another block comes.
+TEST(KlartextBlock, ACycleHasItsWordsInTheLinesBehindIt) {
+  KlartextContext context;
+  Block block;
+  ASSERT_FALSE(read_klartext_block("7 CYCL DEF 208 BORE", heidenhain(), context, block));
+  EXPECT_TRUE(block.defines);
+  EXPECT_EQ(block.cycle, 208);
+  for (const char* line : {"Q200=+2 ;CLEARANCE ~", " Q335=+30 ~", "  ; ~", "Q203=-0,5"}) {
+    ASSERT_FALSE(read_klartext_block(line, heidenhain(), context, block)) << line;
+    EXPECT_EQ(block.cycle, 208) << line;
+    EXPECT_FALSE(block.defines) << line;
+  }
+  EXPECT_EQ(block.parameters[0], 203);
+  EXPECT_EQ(block.words[0].value, -0.5);
+  EXPECT_TRUE(context.comma);
+  ASSERT_FALSE(read_klartext_block("8 L X+5", heidenhain(), context, block));
+  EXPECT_EQ(block.cycle, 0);
+  const auto error = read_klartext_block("Q203=5", heidenhain(), context, block);
+  ASSERT_TRUE(error);
+  EXPECT_STREQ(error->code, "E-EXPR");
 }
 
 // What stands in the next line would be lost.

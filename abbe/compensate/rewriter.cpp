@@ -165,9 +165,12 @@ void Rewriter::lines(std::span<const std::string_view> texts, std::uint64_t numb
   for (std::size_t i = 0; i < texts.size(); ++i) {
     number_ = number + i;
     block_ = &blocks_[i];
-    const std::size_t begin = out.size();
-    line(errors[i], too_long, out);
-    if (profile_.text.conversational) count_blocks(begin, out);
+    std::string& to = holds_ ? held_ : out;
+    const std::size_t begin = to.size();
+    line(errors[i], too_long, to);
+    if (!profile_.text.conversational) continue;
+    count_blocks(begin, to);
+    keep_held(begin, to, out);
   }
 }
 
@@ -246,6 +249,7 @@ void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::
     pass(out);
     return write_header(out);
   }
+  if (block_->cycle != 0) return define_hole(out);
   if (block_->count == 0) return pass(out);
   if (block_->pole == Block::Pole::set) return set_pole();
   if (block_->slash && profile_.text.skip != Profile::Skip::ignored) {
@@ -276,11 +280,12 @@ void Rewriter::execute(std::string& out) {
   const Vec3 start = in_.m;
   const std::size_t out_begin = out.size();
   bool done = false;
+  const bool moves =
+      instruction_.motion >= 0 && instruction_.motion != 800 &&
+      (instruction_.moves_axes || is_arc(instruction_.motion) || is_cycle(instruction_.motion));
+  if (profile_.text.conversational && !call_hole(moves)) return;
   if (instruction_.plain || (settings() && zero_group(out, done) && !done)) {
     if (!is_cycle(modal_.motion)) cycle_.code = -1;
-    const bool moves =
-        instruction_.motion >= 0 && instruction_.motion != 800 &&
-        (instruction_.moves_axes || is_arc(instruction_.motion) || (is_cycle(instruction_.motion)));
     if (moves) {
       const bool sure =
           modal_.stated && !offset_doubtful_ && instruction_.zero != 530 && !instruction_.tool_change;
@@ -293,6 +298,7 @@ void Rewriter::execute(std::string& out) {
       end_line(out, begin);
       if (edit_.changed()) ++report_.blocks.rewritten;
     }
+    if (drills_) drill(out, out_begin);
   }
   if ((instruction_.smooths || instruction_.path_control) && !smoothing_said_) warn_of_smoothing();
   if (instruction_.ends) ended_ = true;
@@ -318,6 +324,7 @@ void Rewriter::execute(std::string& out) {
 }
 
 void Rewriter::finish(std::string& out) {
+  release_hole(out);
   if (held_pole_) {
     const std::size_t begin = out.size();
     release_pole(out);

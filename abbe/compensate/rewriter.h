@@ -20,6 +20,7 @@
 #include "abbe/compensate/turn_word.h"
 #include "abbe/program/block.h"
 #include "abbe/program/frames.h"
+#include "abbe/program/hole_cycle.h"
 #include "abbe/program/klartext_block.h"
 #include "abbe/program/modal.h"
 #include "abbe/program/program_findings.h"
@@ -262,6 +263,22 @@ class Rewriter {
   void write_first(const Vec3& want, Expansion& expansion);
   void write_stroke(std::string words, const Vec3& want, Expansion& expansion);
   void write_expansion(const Expansion& expansion, std::string& out);
+  // rewriter_hole.cpp: drilling cycles of conversational programs, defined in one block and called in others
+  void define_hole(std::string& out);
+  void keep_held(std::size_t begin, std::string& to, std::string& out);
+  void release_hole(std::string& out);
+  bool call_hole(bool moves);
+  bool call_allowed(bool moves);
+  std::optional<Vec3> hole_shift(const Vec3& m);
+  std::optional<double> left_in_hole(const Vec3& shift);
+  bool lead_to_hole(const Vec3& m, Vec3& correction);
+  void drill(std::string& out, std::size_t begin);
+  bool call_once(std::string& out, std::size_t begin);
+  bool drill_at(const Vec3& wanted, Vec3& shift, std::string& before);
+  void set_surface(double shift, std::string& before);
+  std::string spelled_surface(double& number) const;
+  void append_definition(std::string& to, const std::string& surface);
+  void step_aside(const Vec3& wanted, Vec3& shift, std::string& before);
 
   [[nodiscard]] int decimals_of(const Word* word) const;
   [[nodiscard]] double digit_room() const;
@@ -322,6 +339,22 @@ class Rewriter {
     bool dwells = false;          ///< and it is not zero
     bool expanded = false;        ///< the output has written the last holes as G0 and G1
   } cycle_;
+
+  /// The drilling cycle that was defined last.
+  struct Hole {
+    HoleDefinition definition;
+    HoleSpan span;
+    double surface_out = 0;  ///< Q203 of the output, program units
+    bool sure = false;       ///< the span is known
+    bool modal = false;      ///< M89: every positioning block calls it
+    bool each = false;       ///< in the output by an M99 of its own
+  } hole_;
+  bool drills_ = false;           ///< the block being executed calls it
+  bool holds_ = false;            ///< the definition is not written yet: its Q203 may still be set
+  std::string held_;              ///< what has been written since
+  std::size_t held_from_ = 0;     ///< where the definition begins in it
+  std::string held_surface_;      ///< what Q203 becomes in it
+  std::size_t held_spelled_ = 0;  ///< bytes of its number there
 
   /// Where a correction was larger than before, and what it was reckoned with.
   struct Extreme {

@@ -429,7 +429,7 @@ bool Rewriter::straight(const Move& move, std::string& out) {
                  "its correction cannot be withheld there", "command X and Y after G53");
     return false;
   }
-  const auto c1 = correction_at(move.m1, withheld_, approach);
+  auto c1 = correction_at(move.m1, withheld_, approach);
   if (!c1) return false;
   if (feed && withheld_ != 0) {
     const auto full = correction_at(move.m1, 0, approach);
@@ -446,6 +446,7 @@ bool Rewriter::straight(const Move& move, std::string& out) {
     }
   }
   note_correction(move.m1, *c1);
+  if (drills_ && !feed && !lead_to_hole(move.m1, *c1)) return false;
 
   // Pieces of a feed move between which the correction goes straight.
   std::vector<std::size_t> ends;

@@ -86,6 +86,12 @@ constexpr MeaningInfo kMeaningInfo[] = {
     {M::signal, "signal", 'M', "P", 0, "outputs and inputs"},
     {M::call_subprogram, "call", 'M', "X", letter_set("PL"), "runs subprogram P of this file, once"},
     {M::end_subprogram, "return", 'M', "P", 0, "ends a subprogram"},
+    {M::hole_cycle, "hole-cycle", 'G', "S", 0, "defines a drilling cycle that is called later"},
+    {M::cycle_call, "cycle-call", 'M', "S", 0, "calls the cycle that was defined last, behind the motion"},
+    {M::cycle_call_modal, "cycle-call-modal", 'M', "S", 0, "calls it behind every positioning block"},
+    {M::retract_tool, "retract-tool", 'M', "P", 0, "takes the tool back along its axis"},
+    {M::shortest_way, "shortest-way", 'M', "P", 0, "rotary axes go the shortest way from here on"},
+    {M::straight_way, "straight-way", 'M', "P", 0, "rotary axes go as the numbers say from here on"},
     {M::auxiliary, "auxiliary", 'M', "P", 0, "without effect on the path"},
 };
 

@@ -98,6 +98,13 @@ enum class Meaning : std::uint8_t {
   signal,
   call_subprogram,
   end_subprogram,
+  // conversational programs: a cycle that a block defines and others call
+  hole_cycle,
+  cycle_call,
+  cycle_call_modal,
+  retract_tool,
+  shortest_way,
+  straight_way,
   auxiliary,
 };
 inline constexpr std::size_t kMeanings = static_cast<std::size_t>(Meaning::auxiliary) + 1;

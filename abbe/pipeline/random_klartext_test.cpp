@@ -75,7 +75,7 @@ class KlartextWriter {
     return random_.chance(0.2) ? "I" + word(axis, to - at_[axis]) : word(axis, to);
   }
   void block() {
-    switch (random_.below(9)) {
+    switch (random_.below(10)) {
       case 0:
         return add(random_.chance(0.5) ? "; COMMENT" : "* - HEADING");
       case 1:
@@ -89,6 +89,8 @@ class KlartextWriter {
                     random_.chance(0.4) ? 250 : 20);
       case 5:
         return add("L M8");
+      case 6:
+        return holes();
       default:
         return arc();
     }
@@ -103,6 +105,46 @@ class KlartextWriter {
       at_[k] = to;
     }
     if (words.size() > 1) add(words + after);
+  }
+  /// Some holes of one cycle: flat enough to be shifted as a whole.
+  void holes() {
+    const int cycle = 200 + static_cast<int>(random_.below(10));
+    if (cycle == 204) return;
+    const double surface = round(random_.between(-20, 5)), depth = round(random_.between(2, 12));
+    const double set_up = round(random_.between(1, 3)), second = random_.chance(0.5) ? 0 : set_up + 20;
+    const bool lines = random_.chance(0.7);
+    const std::string next = lines ? (random_.chance(0.5) ? " ;TEXT ~\n " : " ~\n") : " ";
+    std::string words =
+        fmt::format("CYCL DEF {} NAME{}Q200={}{}Q201={}{}Q203={}{}Q204={}", cycle, lines ? " ~\n" : " ",
+                    number(set_up), next, number(-depth), next, number(surface), next, number(round(second)));
+    if (cycle == 208) words += next + "Q335=" + number(8);
+    if (cycle == 200) words += next + "Q206=FAUTO" + next + "Q202=" + number(3);
+    if (cycle == 207) words += next + "Q239=" + number(1);
+    add(words);
+    at_.z() = round(surface + std::max(round(second), set_up));
+    const bool modal = random_.chance(0.3);
+    const int count = 1 + static_cast<int>(random_.below(4));
+    for (int i = 0; i < count; ++i) {
+      if (random_.chance(0.2)) add("L M8");
+      std::string to = "L";
+      for (int k = 0; k < 2; ++k) {
+        const double place = round(std::clamp(at_[k] + random_.between(-60, 60), -250.0, 250.0));
+        if (k == 1 && random_.chance(0.3)) continue;
+        to += ' ' + target_word(k, place);
+        at_[k] = place;
+      }
+      to += " FMAX";
+      const bool last = i + 1 == count;
+      if (modal)
+        add(to + (last ? " M99" : i == 0 ? " M89" : ""));
+      else if (random_.chance(0.3))
+        add(to), add("CYCL CALL");
+      else
+        add(to + " M99");
+    }
+    // a feed move would begin where the hole's shift has left the tool
+    at_.z() = round(at_.z() + random_.between(5, 30));
+    add(fmt::format("L {} FMAX", word(2, at_.z())));
   }
   void arc() {
     const double r = random_.between(3, 60), t0 = random_.between(0, 6.28);
@@ -145,16 +187,23 @@ ProgramJob heidenhain_job() {
 
 TEST(RandomKlartext, IsVerifiedOnRandomMachines) {
   const Seeds seeds = random_seeds(25);
+  std::uint64_t done = 0;
   for (std::uint64_t seed = seeds.first; seed != seeds.end(); ++seed) {
     Random random(seed);
     const std::string machine = random_machine(random, 0.7);
     const std::string program = KlartextWriter(random).write(25);
     const ProgramRun result = run_program(plan_of(machine), program, heidenhain_job());
+    // a hole inside which the correction changes cannot be shifted as a whole
+    const bool too_deep = result.outcome.end == ProgramEnd::refused &&
+                          findings(result.outcome).find("um inside this cycle") != std::string::npos;
+    if (too_deep) continue;
     ASSERT_EQ(result.outcome.end, ProgramEnd::done) << "seed " << seed << "\n"
                                                     << findings(result.outcome) << program << "\n----\n"
                                                     << result.output;
+    ++done;
     EXPECT_LE(result.outcome.verify.after.max, result.outcome.verify.allowed) << "seed " << seed;
   }
+  EXPECT_GT(2 * done, seeds.count) << "most programs must be compensated";
 }
 
 TEST(RandomKlartext, ZeroErrorsChangeNoByte) {

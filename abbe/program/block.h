@@ -47,7 +47,10 @@ struct Block {
   std::uint8_t increments = 0;  ///< axes whose word is a distance (IX), bits 0 1 2 = X Y Z
   std::uint8_t places = 0;      ///< axes whose word is a place in G91, too (X=AC(5)), bits 0 1 2 = X Y Z
   bool continues = false;       ///< the line belongs to the block of the line before
-  NumberStyle style;            ///< of numbers that are written into the block
+  std::int16_t cycle = 0;       ///< the line is part of the definition of this drilling cycle
+  bool defines = false;         ///< and its first one
+  std::array<std::uint16_t, kMaxWords> parameters;  ///< of its words: 203 of Q203
+  NumberStyle style;                                ///< of numbers that are written into the block
 
   /// "/", "/2" or nothing.
   [[nodiscard]] std::string_view slash_text() const {

@@ -3,11 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
-#include "abbe/core/number.h"
+#include "abbe/program/hole_cycle.h"
+#include "abbe/program/klartext_number.h"
 
 namespace abbe {
 namespace {
@@ -15,12 +16,11 @@ namespace {
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 constexpr bool is_letter(char c) { return c >= 'A' && c <= 'Z'; }
-constexpr std::size_t kLongestNumber = 24;
 constexpr std::size_t kMostDigitsOfBlock = 9;
 
 // Codes as the readers number them.
 constexpr double kRapid = 0, kLine = 1, kClockwise = 2, kCounterClockwise = 3, kInch = 20, kMm = 21,
-                 kMachinePlace = 28, kNoRadius = 40, kLength = 43, kNoLength = 49;
+                 kMachinePlace = 28, kNoRadius = 40, kLength = 43, kNoLength = 49, kCallCycle = 99;
 
 BlockError not_literal(std::size_t at, std::size_t length, std::string_view said) {
   return {"E-EXPR",
@@ -42,12 +42,17 @@ class KlartextLine {
     take_tail();
     skip_blanks();
     if (continued) return read_continued();
+    const bool parameter = at_ + 1 < end_ && text_[at_] == 'Q' && is_digit(text_[at_ + 1]);
+    if (context_.cycle != 0 && parameter) return read_cycle_words();
     context_.definition = nullptr;
+    context_.cycle = 0;
     if (auto error = read_first_line()) return error;
     if (!context_.open || may_go_on_ || context_.definition != nullptr) return std::nullopt;
-    return wrong("E-BLOCK", 0, "a block that goes on in the next line",
-                 "only comments, BLK FORM and cycle 247 are followed there: its other words would be lost",
-                 "write the block in one line, without '~'");
+    return wrong(
+        "E-BLOCK", 0, "a block that goes on in the next line",
+        "only comments, BLK FORM, cycle 247 and drilling cycles are followed there: its other words would "
+        "be lost",
+        "write the block in one line, without '~'");
   }
 
  private:
@@ -110,7 +115,12 @@ class KlartextLine {
   // A line behind '~': a parameter of the cycle that is defined, or more of a comment.
   std::optional<BlockError> read_continued() {
     if (context_.definition == nullptr) return copied();
-    return read_parameters();
+    return context_.cycle != 0 ? read_cycle_words() : read_parameters();
+  }
+  // Q words of a drilling cycle.
+  std::optional<BlockError> read_cycle_words() {
+    block_.cycle = static_cast<std::int16_t>(context_.cycle);
+    return read_hole_words(context_.cycle, at_, end_, context_.comma, block_);
   }
 
   /// The word at `begin` is not one of ours: what the profile says of it.
@@ -178,23 +188,15 @@ class KlartextLine {
   // "+10.5", "-0,25": the comma counts as a point. The number begins at or behind at_.
   std::optional<BlockError> read_value(char letter, std::size_t begin) {
     skip_blanks();
-    std::array<char, kLongestNumber> digits{};
-    std::size_t n = 0;
-    bool comma = false;
-    while (at_ + n < end_ && n < digits.size()) {
-      const char c = text_[at_ + n];
-      if (!is_digit(c) && c != '.' && c != ',' && c != '+' && c != '-') break;
-      comma = comma || c == ',';
-      digits[n++] = c == ',' ? '.' : c;
-    }
-    const Decimal number = read_decimal({digits.data(), n});
-    const bool ends = at_ + n == end_ || is_blank(text_[at_ + n]);
-    if (number.length == 0 || number.length != n || !ends)
+    const KlartextNumber number = read_klartext_number(text_.substr(at_, end_ - at_));
+    if (number.length == 0) {
+      const std::size_t n = std::min(end_ - at_, text_.substr(at_).find_first_not_of("0123456789.,+-"));
       return not_literal(begin, at_ + n + 1 - begin,
                          text_.substr(begin, std::min(end_, at_ + n + 1) - begin));
-    block_.style.comma = context_.comma = context_.comma || comma;
+    }
+    block_.style.comma = context_.comma = context_.comma || number.comma;
     const std::size_t from = at_;
-    at_ += n;
+    at_ += number.length;
     return add(letter, begin, from, at_, number.value, number.decimals);
   }
 
@@ -314,6 +316,9 @@ class KlartextLine {
     return std::nullopt;
   }
   std::optional<BlockError> read_feed(std::size_t begin, bool fastest) {
+    if (std::exchange(has_feed_, true))
+      return wrong("E-FEED", begin, "a second feed in one block", "which of them holds is not defined",
+                   "keep one: FMAX goes at rapid, F at a feed");
     if (fastest) {
       if (block_.count == 0 || block_.words[0].letter != 'G' || block_.words[0].value != kLine)
         return wrong("E-FEED", begin, "FMAX on an arc", "whether the control obeys is not sure",
@@ -412,8 +417,8 @@ class KlartextLine {
     skip_blanks();
     if (const std::string_view what = name(); what != "DEF") {
       if (what != "CALL") return strange(begin, at_ - begin);
-      return wrong("E-CYCLE", begin, "CYCL CALL", "the control makes the motions of the cycle itself",
-                   "post the holes and pockets as L, C and CR");
+      if (auto error = add('M', begin, begin, at_, kCallCycle)) return error;
+      return read_others();
     }
     skip_blanks();
     std::string cycle = "CYCL";
@@ -435,6 +440,8 @@ class KlartextLine {
       if (part <= 0) return refused(*keyword, begin, at_ - begin);
       return copied();  // its first line was refused
     }
+    if (meaning == Meaning::hole_cycle)
+      return part < 0 ? begin_hole(*keyword, begin) : refused(*keyword, begin, at_ - begin);
     if (part == 0) return copied();  // the title of the parts that follow
     if (meaning == Meaning::copy || meaning == Meaning::smoothing) {
       at_ = end_;
@@ -442,10 +449,24 @@ class KlartextLine {
     }
     if (meaning == Meaning::numbered_work_offset) {
       context_.definition = keyword;
+      context_.wanting = true;
       while (at_ < end_ && text_[at_] != 'Q') ++at_;
       return read_parameters();
     }
     return read_shift(*keyword, begin);
+  }
+  // "CYCL DEF 200 DRILLING ~", perhaps with its first Q words.
+  std::optional<BlockError> begin_hole(const Profile::Keyword& keyword, std::size_t begin) {
+    context_.cycle = hole_cycle_number(keyword.name);
+    if (context_.cycle == 0) return refused(keyword, begin, at_ - begin);
+    context_.definition = &keyword;
+    block_.defines = true;
+    const auto word_begins = [&] {
+      return text_[at_] == 'Q' && is_blank(text_[at_ - 1]) && at_ + 1 < end_ && is_digit(text_[at_ + 1]);
+    };
+    while (at_ < end_ && !word_begins()) ++at_;
+    block_.words_end = static_cast<std::uint16_t>(at_);
+    return read_cycle_words();
   }
   std::optional<BlockError> read_shift(const Profile::Keyword& keyword, std::size_t begin) {
     if (auto error = add_code(keyword, begin, at_)) return error;
@@ -459,7 +480,12 @@ class KlartextLine {
   // "Q339=+1": the preset that cycle 247 puts in force.
   std::optional<BlockError> read_parameters() {
     constexpr std::string_view kPreset = "Q339";
-    if (at_ == end_) return std::nullopt;
+    if (at_ == end_) {
+      if (context_.open || !context_.wanting) return std::nullopt;
+      return wrong("E-WCS", 0, "CYCL DEF 247 without Q339", "the preset that it puts in force is not known",
+                   "write Q339=+1");
+    }
+    context_.wanting = false;
     const std::size_t begin = at_;
     std::size_t at = at_ + 1;
     while (at < end_ && is_digit(text_[at])) ++at;
@@ -483,6 +509,7 @@ class KlartextLine {
   Block& block_;
   std::string_view text_;
   std::size_t at_ = 0, end_ = 0;
+  bool has_feed_ = false;   ///< F or FMAX stood in the block
   bool may_go_on_ = false;  ///< nothing is lost if the next line is taken for text
 };
 
@@ -501,6 +528,8 @@ std::optional<BlockError> read_klartext_block(std::string_view line, const Profi
                                               KlartextContext& context, Block& block) {
   block.pole = Block::Pole::none;
   block.continues = context.open;
+  block.cycle = 0;
+  block.defines = false;
   block.style = {true, context.comma};
   if (auto error = begin_block(line, block)) return error;
   return KlartextLine(profile, context, block).read();

@@ -79,7 +79,9 @@ struct Instruction {
   bool tool_change = false;   ///< M6
   bool set_tool = false;      ///< M61 Q
   std::int8_t flow = 0;       ///< 1: a subprogram is called, 2: one ends
-  bool ends = false;          ///< M2 M30
+  std::int8_t cycle_call =
+      0;               ///< a drilling cycle is called: 1: here (M99, CYCL CALL), 2: from here on (M89)
+  bool ends = false;   ///< M2 M30
   bool after = false;  ///< a code acts when the motion is done: M0 M1 M2 M30, on some controls M5 M9, G9
 
   [[nodiscard]] const Word* find(const Block& block, char letter) const {

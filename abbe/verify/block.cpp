@@ -220,6 +220,8 @@ bool read_block(std::string_view line, const Profile& profile, Block& block, Fau
   block.comment_count = 0;
   block.increments = block.places = 0;
   block.pole = Block::Pole::none;
+  block.hole.cycle = block.hole.count = 0;
+  block.hole_begins = false;
   if (profile.text.conversational)
     return read_klartext_words(line, profile, continued, block, fault, tcp_codes);
   if (profile.text.names) return read_named_words(line, profile, block, fault, tcp_codes);

@@ -9,6 +9,7 @@
 
 #include "abbe/machine/control_model.h"
 #include "abbe/machine/profile.h"
+#include "abbe/verify/hole_words.h"
 
 namespace abbe::verifying {
 
@@ -38,12 +39,14 @@ constexpr Letters letters(Char... letter) {
 struct Continued {
   bool open = false;
   bool preset = false;  ///< the block is CYCL DEF 247
+  int hole = 0;         ///< lines of Q words belong to this drilling cycle, behind '~' or not
 };
 
 /// The words of one block, before any meaning. Arrays are valid only where a bit says so, so that
 /// clearing a block costs four stores.
 struct Block {
   static constexpr int kGroups = 16;            ///< LinuxCNC's modal groups of G codes; 11 is rotation
+  static constexpr int kCalls = 3;              ///< M group: M99 M89, calls of a drilling cycle
   static constexpr int kStops = 4;              ///< M group: M0 M1 M2 M30 M60
   static constexpr int kFurtherOffset = 10000;  ///< in the group of work offsets: P says which
   static constexpr int kMaxExtras = 12;
@@ -81,7 +84,9 @@ struct Block {
   std::uint32_t increments = 0;  ///< axes whose word is a distance by itself (IX), bits 0 1 2 = X Y Z
   std::uint32_t places = 0;      ///< axes whose word is a place in G91, too (X=AC(5))
   enum class Pole : std::uint8_t { none, set, used };
-  Pole pole = Pole::none;  ///< CC X Y: sets the centre of the arcs that follow; C: goes about it
+  Pole pole = Pole::none;    ///< CC X Y: sets the centre of the arcs that follow; C: goes about it
+  HoleWords hole;            ///< Q words of a drilling cycle that this line (hole.cycle != 0) defines
+  bool hole_begins = false;  ///< the line is the first one of the definition
   int comment_count = 0;
   std::array<std::string_view, kMaxComments> comments;  ///< with their delimiters
 

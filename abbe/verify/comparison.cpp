@@ -214,7 +214,7 @@ void Comparison::compare_motion() {
     return disagree_and_stop("V-FEED", "G93 in the output for a motion that needs no time of its own");
   if (expected.feeds() && !expected.machine_words)
     return expected.turns() ? cover_turning(expected) : cover(expected);
-  if (!pull_motion()) return;
+  if (!pull_motion() || !skip_step_to_hole(expected)) return;
   const Motion& found = output_.motion();
   const bool drills = expected.kind == MotionKind::cycle && (expected.code == 810 || expected.code == 820);
   if (drills && !found.machine_words && (found.kind == MotionKind::rapid || found.kind == MotionKind::line)) {

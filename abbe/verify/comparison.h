@@ -50,6 +50,9 @@ class Comparison {
   void compare_words(const Motion& original, const Motion& output);
   void compare_machine_move(const Motion& original, const Motion& output);
   void compare_cycle(const Motion& original, const Motion& output);
+  void compare_hole(const Motion& original, const Motion& output, const Vec3& shift,
+                    const Vec3& output_shift);
+  bool skip_step_to_hole(const Motion& expected);
   void compare_stroke(const Motion& original, const Motion& output, const Vec3& shift,
                       const Vec3& output_shift);
   [[nodiscard]] Axes commanded(const Motion& original) const;

@@ -103,10 +103,11 @@ bool Control::execute(const Block& block, Fault& fault) {
   fault_ = &fault;
   used_ = 0;
   event_count_ = after_count_ = 0;
-  moves_ = false;
+  moves_ = drills_ = false;
   motion_code_ = -1;
   covets_ = false;
   if (block.pole == Block::Pole::set) return set_pole();
+  if (block.hole.cycle != 0) return define_hole();
   if (block.pointless != 0 && !settle_numbers()) return false;
   return execute_settled();
 }
@@ -114,9 +115,13 @@ bool Control::execute(const Block& block, Fault& fault) {
 /// CC X Y: where the arcs that follow have their centre. Nothing else happens.
 bool Control::set_pole() {
   pole_ = std::array{length_word('X') + frames_.g92.x(), length_word('Y') + frames_.g92.y()};
+  add_comments();
+  return true;
+}
+
+void Control::add_comments() {
   for (int i = 0; i < block_->comment_count; ++i)
     add(EventKind::comment, 0).text = block_->comments[static_cast<std::size_t>(i)];
-  return true;
 }
 
 /// What executing a block means once its numbers are in units.
@@ -135,8 +140,7 @@ bool Control::execute_settled() {
     if (!use('N')) return false;
     add(EventKind::block_number, 0, letter_bit('N'));
   }
-  for (int i = 0; i < block.comment_count; ++i)
-    add(EventKind::comment, 0).text = block.comments[static_cast<std::size_t>(i)];
+  add_comments();
   if ((block.words & kTurnLetters) != 0 && !turn_words_allowed()) return false;
   if (!choose_motion()) return false;
   constexpr std::uint32_t motion_group = 1u << 1;
@@ -148,7 +152,7 @@ bool Control::execute_settled() {
   } else {
     if (!settings() || !modes() || !non_modal()) return false;
   }
-  if (!move()) return false;
+  if (!move() || !drill()) return false;
   return stops() && leftovers();
 }
 
@@ -545,7 +549,7 @@ void Control::go_home(int code) {
   moves_ = true;
   motion_.kind = MotionKind::home;
   motion_.code = profile_.text.conversational ? code + mode_ : code;  // L .. M91: at rapid or at a feed
-  motion_.machine_words = false;
+  motion_.machine_words = motion_.to_hole = false;
   motion_.incremental = incremental_ || block_->increments != 0;
   motion_.named = named_axes(*block_);
   for (int i = 0; i < 3; ++i)

@@ -30,6 +30,8 @@ class Control {
 
   [[nodiscard]] std::span<const Event> before() const { return {events_.data(), event_count_}; }
   [[nodiscard]] const Motion* motion() const { return moves_ ? &motion_ : nullptr; }
+  /// A drilling cycle that runs behind the motion, where that ends.
+  [[nodiscard]] const Motion* hole() const { return drills_ ? &hole_ : nullptr; }
   [[nodiscard]] std::span<const Event> after() const { return {after_.data(), after_count_}; }
 
   /// Where the axis words of a block lead from u (both with g92 in them), in the modes in force: u = word +
@@ -69,6 +71,7 @@ class Control {
   bool use_optional(char letter) { return !block_->has(letter) || use(letter); }
   bool whole_word(char letter, int& out, const char* code);
   Event& add(EventKind kind, int code, Letters words = 0);
+  void add_comments();
   void fill(Event& event, EventKind kind, int code, Letters words) const;
   [[nodiscard]] double length_word(char letter) const { return (*block_)[letter] * unit_; }
   bool frame_known();
@@ -104,6 +107,11 @@ class Control {
   bool change_flow(int code);
   bool leftovers();
 
+  // control_holes.cpp
+  bool define_hole();
+  bool drill();
+  bool may_drill(int call);
+
   // control_turns.cpp
   bool turn_words_allowed();
   bool read_turns(bool machine_words);
@@ -136,6 +144,8 @@ class Control {
   bool incremental_ = false, absolute_centres_ = false, retracts_to_r_ = true;  // G99: so LinuxCNC starts
   std::optional<Vec3> saved_g92_;
   std::optional<double> cycle_r_, cycle_z_, cycle_p_, cycle_q_;
+  HoleWords hole_words_;               ///< CYCL DEF 200 .. 209
+  bool drills_always_ = false;         ///< M89
   std::optional<double> cycle_level_;  ///< p along the cycle's axis before the first block of the sequence
   bool ended_ = false;
   int flow_ = 0;
@@ -151,8 +161,8 @@ class Control {
   std::size_t event_count_ = 0;
   std::array<Event, Block::kMGroups + Block::kMaxExtras> after_;
   std::size_t after_count_ = 0;
-  bool moves_ = false;
-  Motion motion_;
+  bool moves_ = false, drills_ = false;
+  Motion motion_, hole_;
 };
 
 }  // namespace abbe::verifying

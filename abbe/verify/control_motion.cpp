@@ -46,7 +46,7 @@ void Control::begin_motion(MotionKind kind) {
   moves_ = true;
   motion_.kind = kind;
   motion_.code = motion_code_;
-  motion_.machine_words = false;
+  motion_.machine_words = motion_.to_hole = false;
   motion_.incremental = incremental_ || block_->increments != 0;
   motion_.named = named_axes(*block_);
   for (int i = 0; i < 3; ++i)

@@ -30,6 +30,14 @@ bool goes_on(std::string_view line) {
 
 bool begins(std::string_view text, std::string_view with) { return text.substr(0, with.size()) == with; }
 
+bool is_hole(std::string_view cycle) {
+  return cycle.size() == 3 && begins(cycle, "20") && kDigits.find(cycle[2]) != std::string_view::npos;
+}
+
+bool begins_q_word(std::string_view text) {
+  return text.size() > 1 && text[0] == 'Q' && kDigits.find(text[1]) != std::string_view::npos;
+}
+
 class KlartextScanner : public WordTaker {
  public:
   using WordTaker::WordTaker;
@@ -40,18 +48,21 @@ class KlartextScanner : public WordTaker {
     rest = stripped(rest);
     if (!rest.empty() && rest.back() == '~') rest.remove_suffix(1);
     const auto semicolon = rest.find(';');
-    if (rest.substr(0, 1) == "*" || semicolon == 0 || (continued.open && !continued.preset))
+    const bool q_words = continued.hole != 0 && (continued.open || begins_q_word(rest));
+    if (rest.substr(0, 1) == "*" || semicolon == 0 || (continued.open && !continued.preset && !q_words))
       return keep_text(stripped(rest));
     if (semicolon != std::string_view::npos) {
       if (!keep_text(stripped(rest.substr(semicolon)))) return false;
       rest = rest.substr(0, semicolon);
     }
     rest = stripped(rest);
-    if (rest.empty()) return true;
+    if (q_words) return hole_words(continued.hole, rest);
+    if (rest.empty()) return !continued.preset || goes_on(line_) || lacks_preset(line_.substr(0, 1));
     whole_ = rest;
     if (!cut(rest)) return false;
     if (continued.open) return preset(0);
-    const bool followed = items_[0] == "BLK" || (items_[0] == "CYCL" && item(2) == "247");
+    const bool followed =
+        items_[0] == "BLK" || (items_[0] == "CYCL" && (item(2) == "247" || is_hole(item(2))));
     if (goes_on(line_) && !followed)
       return bad(items_[0], "E-BLOCK", "a block that goes on in the next line",
                  "what stands there would not be read", "write it in one line");
@@ -107,9 +118,10 @@ class KlartextScanner : public WordTaker {
                                "tools of the program differ from those of the table", "use the tool table");
     }
     if ((first == "CYCL" || first == "CYCLE") && item(1) == "DEF") return definition();
-    if (first == "CYCL" && item(1) == "CALL")
-      return bad(first, "E-CYCLE", "a call of a cycle", "the control makes its motions",
-                 "post lines and arcs");
+    if (first == "CYCL" && item(1) == "CALL") {
+      column(items_[1]);
+      return m_word(99, 1) && functions(2);
+    }
     if ((first == "BEGIN" || first == "END") && item(1) == "PGM") return limit(first);
     if (first == "BLK" || first == "LBL") return keep_text(whole_);
     if (first == "STOP") {
@@ -218,9 +230,12 @@ class KlartextScanner : public WordTaker {
 
   /// R0, F, FMAX (of L), F AUTO, S, M from item i on.
   bool functions(std::size_t i, bool may_be_rapid = false) {
+    int feeds = 0;
     for (; i < count_; ++i) {
       const std::string_view said = items_[i];
       double value = 0;
+      if (said[0] == 'F' && ++feeds > 1)
+        return bad(said, "E-FEED", "two feeds in a block", "it is not defined which one holds", "keep one");
       if (said == "R0") {
         if (!g_word(40, column(said))) return false;
       } else if (said == "FMAX" && may_be_rapid) {
@@ -315,13 +330,24 @@ class KlartextScanner : public WordTaker {
                  "post without it");
     const Meaning meaning = profile_.g[word->index].meaning;
     if (meaning == Meaning::unknown) return keyword(*word, whole_, column(items_[0]));
+    if (meaning == Meaning::hole_cycle && (part != "-" || !is_hole(cycle)))
+      return bad(items_[0], "E-CYCLE", "a drilling cycle in another form", "where it drills is not known",
+                 "write CYCL DEF and its Q words");
     if (part == "0") return keep_text(whole_);
     if (meaning == Meaning::copy || meaning == Meaning::smoothing)
       return keyword(*word, whole_, column(items_[0]));
     if (meaning == Meaning::numbered_work_offset) {
       std::size_t i = 3;
       while (i < count_ && items_[i][0] != 'Q') ++i;
-      return i == count_ || preset(i);
+      return i == count_ ? goes_on(line_) || lacks_preset(items_[0]) : preset(i);
+    }
+    if (meaning == Meaning::hole_cycle) {
+      block_.hole_begins = true;
+      std::size_t i = 3;
+      while (i < count_ && !begins_q_word(items_[i])) ++i;
+      const std::size_t from =
+          i < count_ ? static_cast<std::size_t>(items_[i].data() - whole_.data()) : whole_.size();
+      return hole_words(200 + (cycle[2] - '0'), whole_.substr(from));
     }
     std::size_t i = 3;
     if (!coordinates(i, "XYZ")) return false;
@@ -330,6 +356,44 @@ class KlartextScanner : public WordTaker {
       return bad(items_[0], "E-FRAME", "a datum shift of another form", "the frame is not known",
                  "shift one axis a line, by a number");
     return keyword(*word, "", column(items_[0]));
+  }
+
+  bool lacks_preset(std::string_view at) {
+    return bad(at, "E-WCS", "CYCL DEF 247 says no preset", "the frame is not known", "write Q339=+1");
+  }
+
+  /// "Q200=+2 Q201 = -10,5": one name and value after the other, wherever blanks stand.
+  bool hole_words(int cycle, std::string_view rest) {
+    block_.hole.cycle = cycle;
+    const auto known = known_words(cycle);
+    while (!rest.empty()) {
+      const auto next = rest.find('Q', 1);
+      const std::string_view word = rest.substr(0, next);
+      const auto equals = word.find('=');
+      const std::string_view name = stripped(word.substr(0, equals));
+      const bool named = name.size() == 4 && begins_q_word(name) &&
+                         name.find_first_not_of(kDigits, 1) == std::string_view::npos;
+      const int q = named ? std::stoi(std::string(name.substr(1))) : 0;
+      if (std::find(known.begin(), known.end(), q) == known.end())
+        return bad(name, "E-CYCLE", fmt::format("{} does not belong to cycle {}", name, cycle),
+                   "what it changes is not known", "write the words of the cycle");
+      if (equals == std::string_view::npos)
+        return bad(name, "E-EXPR", fmt::format("{} without a value", name), "it is known only to the control",
+                   "post literal numbers");
+      const std::string_view said = stripped(word.substr(equals + 1));
+      const bool feed = q == 206 || q == 208 || q == 253 || q == 254;
+      double value = HoleWords::kNamedFeed;
+      if (!(feed && (said == "MAX" || said == "FMAX" || said == "AUTO" || said == "FAUTO"))) {
+        if (!number(said, name, value)) return false;
+        if (feed && value < 0)
+          return bad(name, "E-EXPR", "a negative feed", "no feed is negative", "correct it");
+      }
+      if (!block_.hole.take(q, value))
+        return bad(name, "E-CYCLE", fmt::format("{} twice", name), "it is not defined which one holds",
+                   "keep one");
+      rest = next == std::string_view::npos ? std::string_view() : rest.substr(next);
+    }
+    return true;
   }
 
   /// "Q339=+1", "Q339 = +1".
@@ -367,14 +431,23 @@ std::string_view behind_block_number(std::string_view line, long& number) {
 Continued continued_after(std::string_view line, Continued before) {
   Continued after;
   after.open = goes_on(line);
-  if (!after.open) return after;
-  if (before.open) {
-    after.preset = before.preset;
+  if (before.open) {  // the same block
+    after.preset = after.open && before.preset;
+    after.hole = before.hole;
+    return after;
+  }
+  if (before.hole != 0 && begins_q_word(stripped(line))) {
+    after.hole = before.hole;
     return after;
   }
   long number = 0;
   const std::string_view words = behind_block_number(line, number);
-  after.preset = begins(words, "CYCL DEF 247");
+  const bool cycle = begins(words, "CYCL DEF ") || begins(words, "CYCLE DEF ");
+  if (!cycle) return after;
+  const std::string_view title = stripped(words.substr(words.find("DEF ") + 4));
+  const std::string_view said = title.substr(0, title.find_first_of(" \t;~"));
+  after.preset = after.open && said == "247";
+  if (is_hole(said)) after.hole = 200 + (said[2] - '0');
   return after;
 }
 

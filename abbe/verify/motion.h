@@ -42,24 +42,28 @@ struct Cycle {
   Vec3 bottom = Vec3::Zero();   ///< first hole at its bottom
   Vec3 clear = Vec3::Zero();    ///< first hole at the level where the cycle ends
   Vec3 step = Vec3::Zero();
-  double dwell = 0;  ///< P, s
-  double peck = 0;   ///< Q, mm
-  double aside = 0;  ///< Q of a fine bore, mm
+  double dwell = 0;                  ///< P, s
+  double peck = 0;                   ///< Q, mm
+  double aside = 0;                  ///< Q of a fine bore, mm
+  double reach = 0;                  ///< how far the tool goes to the side of the hole's axis, mm
+  const HoleWords* words = nullptr;  ///< of CYCL DEF 200 .. 209; valid until the next block is read
 };
 
 /// One motion as the control executes it. Positions are points in machine coordinates, mm: axis commands of
 /// X Y Z, or with tool centre point control those of the tip.
 struct Motion {
   MotionKind kind = MotionKind::rapid;
-  int code = 0;                      ///< 10 times the G code: 0 10 20 30, 280 300 (M91 at F: 290), 730 .. 890
-  bool machine_words = false;        ///< G53: the words are axis commands
-  bool incremental = false;          ///< G91
-  Axes named = 0;                    ///< axes with a word in the block
-  Vec3 words = Vec3::Zero();         ///< their values, mm, as written
-  Position start, end;               ///< home: end is the intermediate point
-  bool tcp = false;                  ///< positions are of the tip (ControlKinematics), not axis commands
-  Axes named_turns = 0;              ///< A B C with a word in the block: bits 0 1 2
-  Turns turn_words{};                ///< their values, deg, as written
+  int code = 0;                ///< 10 times the G code: 0 10 20 30, 280 300 (M91 at F: 290), 730 .. 890,
+                               ///< CYCL DEF 2000 .. 2090
+  bool machine_words = false;  ///< G53: the words are axis commands
+  bool to_hole = false;        ///< a rapid at whose end a cycle runs: the hole judges X and Y
+  bool incremental = false;    ///< G91
+  Axes named = 0;              ///< axes with a word in the block
+  Vec3 words = Vec3::Zero();   ///< their values, mm, as written
+  Position start, end;         ///< home: end is the intermediate point
+  bool tcp = false;            ///< positions are of the tip (ControlKinematics), not axis commands
+  Axes named_turns = 0;        ///< A B C with a word in the block: bits 0 1 2
+  Turns turn_words{};          ///< their values, deg, as written
   Turns turns_start{}, turns_end{};  ///< rotary positions, rad, counted through whole turns
   int feed_mode = 940;               ///< 930, 940, 950
   double feed = 0;                   ///< F in force, program units (G93: 1/min)

@@ -91,7 +91,13 @@ struct ProgramReader::State {
         }
         if (!motion_given) {
           motion_given = true;
-          if (control.motion() != nullptr) return Item::motion;
+          given = control.motion();
+          if (given != nullptr) return Item::motion;
+        }
+        if (!hole_given) {
+          hole_given = true;
+          given = control.hole();
+          if (given != nullptr) return Item::motion;
         }
         if (const auto after = control.after(); after_index < after.size()) {
           current = &after[after_index++];
@@ -271,7 +277,8 @@ struct ProgramReader::State {
     const bool understood =
         (words.data() == texts[row].data() && readable[row]) ||
         read_block(words, control.profile(), blocks[row], fault, tcp_codes(), continued[row]);
-    const bool says_something = block.words != 0 || block.pole != Block::Pole::none || block.g_groups != 0 ||
+    const bool says_something = block.hole.cycle != 0 || block.words != 0 ||
+                                block.pole != Block::Pole::none || block.g_groups != 0 ||
                                 block.m_groups != 0 || block.extra_count != 0 || block.tcp_code >= 0;
     if (numbered && says_something) {
       fault = {"E-OWORD",
@@ -291,7 +298,7 @@ struct ProgramReader::State {
     if (says_something || numbered) first_block = false;
     if (!control.execute(block, fault)) return refuse();
     has_block = true;
-    motion_given = false;
+    motion_given = hole_given = false;
     event_index = after_index = 0;
   }
 
@@ -370,7 +377,8 @@ struct ProgramReader::State {
   bool has_single = false;
   bool has_block = false;  ///< the block in `control` is being handed out
   std::size_t event_index = 0, after_index = 0;
-  bool motion_given = false;
+  bool motion_given = false, hole_given = false;
+  const Motion* given = nullptr;  ///< the motion of the current item
   const Event* current = nullptr;
 
   std::vector<Call> calls;  ///< the subprograms now running, the innermost last
@@ -403,7 +411,7 @@ FileResult<ProgramReader> ProgramReader::open(const std::string& path, const std
 
 ProgramReader::Item ProgramReader::next() { return state_->next(); }
 const Event& ProgramReader::event() const { return *state_->current; }
-const Motion& ProgramReader::motion() const { return *state_->control.motion(); }
+const Motion& ProgramReader::motion() const { return *state_->given; }
 const Diagnostic& ProgramReader::refusal() const { return state_->refusal; }
 std::span<const Vec3> ProgramReader::ahead() {
   return {state_->places.data(), std::exchange(state_->place_count, 0)};

@@ -147,6 +147,15 @@ constexpr Seat seat_of(Meaning meaning) {
       return {Block::kStops, 99};
     case Meaning::signal:
       return {5, -1};
+    case Meaning::cycle_call:
+      return {Block::kCalls, 99};
+    case Meaning::cycle_call_modal:
+      return {Block::kCalls, 89};
+    case Meaning::hole_cycle:
+    case Meaning::retract_tool:
+    case Meaning::shortest_way:
+    case Meaning::straight_way:
+      break;
     case Meaning::tool_change:
       return {6, 6};
     case Meaning::set_tool:

@@ -116,6 +116,39 @@ N150 M30
 %
 )";
 
+constexpr const char* kHeidenhain = R"(0 BEGIN PGM PLATE MM
+1 BLK FORM 0.1 Z X+0 Y+0 Z-30
+2 BLK FORM 0.2 X+200 Y+120 Z+0
+3 TOOL CALL 3 Z S3200 F400
+4 L Z+100 R0 FMAX M3
+5 L X+10 Y+10 R0 FMAX M8
+6 CYCL DEF 200 DRILLING ~
+  Q200=+2     ;SET-UP CLEARANCE ~
+  Q201=-18.5  ;DEPTH ~
+  Q206=+150   ;FEED RATE FOR PLNGNG ~
+  Q202=+5     ;PLUNGING DEPTH ~
+  Q210=+0     ;DWELL TIME AT TOP ~
+  Q203=+0     ;SURFACE COORDINATE ~
+  Q204=+50    ;2ND SET-UP CLEARANCE ~
+  Q211=+0.2   ;DWELL TIME AT DEPTH
+7 CYCL CALL
+8 L X+190 FMAX M99
+9 L Y+110 FMAX M99
+10 L X+10 FMAX M99
+11 CYCL DEF 207 RIGID TAPPING NEW ~
+  Q200=+5     ;SET-UP CLEARANCE ~
+  Q201=-15    ;DEPTH OF THREAD ~
+  Q239=+1.25  ;THREAD PITCH ~
+  Q203=-2.5   ;SURFACE COORDINATE ~
+  Q204=+50    ;2ND SET-UP CLEARANCE
+12 L X+50 Y+50 FMAX M89
+13 L X+70 FMAX
+14 L X+90 FMAX M99
+15 L Z+100 FMAX M9
+16 M30
+17 END PGM PLATE MM
+)";
+
 struct Written {
   const char *name, *dialect, *machine, *program, *start;
   double before_um;  ///< at least
@@ -139,13 +172,14 @@ TEST_P(PostedPrograms, AreCompensated) {
   EXPECT_LE(report["after"]["max_um"].get<double>(), 1 + report["quantisation_um"].get<double>());
 }
 
-INSTANTIATE_TEST_SUITE_P(Controls, PostedPrograms,
-                         ::testing::Values(Written{"siemens", "siemens", kThreeAxes, kSiemens, "X0,Y0,Z0",
-                                                   10},
-                                           Written{"siemens_traori", "siemens", kTiltingTable,
-                                                   kSiemensFiveAxes, "X0,Y0,Z0,A0,C0", 1},
-                                           Written{"iso", "iso", kThreeAxes, kIso, "X0,Y0,Z0", 10}),
-                         [](const auto& test) { return std::string(test.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Controls, PostedPrograms,
+    ::testing::Values(Written{"siemens", "siemens", kThreeAxes, kSiemens, "X0,Y0,Z0", 10},
+                      Written{"siemens_traori", "siemens", kTiltingTable, kSiemensFiveAxes, "X0,Y0,Z0,A0,C0",
+                              1},
+                      Written{"heidenhain", "heidenhain", kThreeAxes, kHeidenhain, "X0,Y0,Z200", 10},
+                      Written{"iso", "iso", kThreeAxes, kIso, "X0,Y0,Z0", 10}),
+    [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
 }  // namespace abbe::cli

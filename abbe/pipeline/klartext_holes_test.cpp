@@ -1,0 +1,157 @@
+// Drilling cycles of conversational programs through the whole way: what is written, what is left alone, what
+// is refused.
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "abbe/machine/read_profile.h"
+#include "abbe/pipeline/test_random_machine.h"
+#include "abbe/pipeline/test_run_program.h"
+
+namespace abbe {
+namespace {
+
+using namespace testing;
+
+ProgramJob hole_job() {
+  ProgramJob job = plain_program_job();
+  job.setup.profile = embedded_profile("heidenhain");
+  job.setup.work_offsets[0] = WorkOffset{};
+  job.setup.tools[1].offset = {};
+  job.datum = DatumRule::ideal;
+  return job;
+}
+
+std::string machine_with(const std::string& errors) {
+  return "format = 1\n[machine]\nchain = \"w b X Y Z t\"\n[errors]\n" + errors;
+}
+
+ProgramRun run(const std::string& errors, const std::string& program) {
+  return run_program(plan_of(machine_with(errors)), program, hole_job());
+}
+
+constexpr const char* kHead =
+    "0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S3000\n2 L X+0 Y+0 R0 FMAX M3\n3 L Z+50 FMAX\n";
+constexpr const char* kDrill =
+    "4 CYCL DEF 200 DRILLING ~\n  Q200=+2 ;SET-UP CLEARANCE ~\n  Q201=-10 ;DEPTH ~\n"
+    "  Q206=+150 ;FEED ~\n  Q202=+5 ;PECK ~\n  Q210=+0 ;DWELL ~\n  Q203=+0 ;SURFACE ~\n"
+    "  Q204=+20 ;2ND CLEARANCE ~\n  Q211=+0 ;DWELL\n";
+// 0.2 um per mm too far along X; Z too high by as much along X, so that each hole has its own height.
+constexpr const char* kScale = "EXX = { poly = [0, 0.2] }\n";
+constexpr const char* kSlope = "EZX = { poly = [0, 0.2] }\n";
+
+// What the words of the original say, moved by minus the error: X by 0.2 um per mm.
+TEST(KlartextHoles, TheBlockThatGoesThereIsMoved) {
+  const ProgramRun result = run(
+      kScale, std::string(kHead) + kDrill + "5 L X+100 Y+10 FMAX M99\n6 L X+50 FMAX M99\n7 END PGM A MM\n");
+  ASSERT_EQ(result.outcome.end, ProgramEnd::done) << findings(result.outcome);
+  EXPECT_NE(result.output.find("5 L X+99.98"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("6 L X+49.99"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find("Q203=+0 ;SURFACE"), std::string::npos) << "Z has no error";
+  EXPECT_EQ(result.output.find("CYCL DEF"), result.output.rfind("CYCL DEF"));
+}
+
+// The first hole sets Q203 in the definition itself; one that needs another height gets its own definition.
+TEST(KlartextHoles, EachHeightHasItsDefinition) {
+  const ProgramRun result =
+      run(kSlope, std::string(kHead) + kDrill +
+                      "5 L X+100 Y+10 FMAX M99\n6 L X+101 FMAX M99\n7 L X+50 FMAX M99\n8 L Z+80 FMAX\n"
+                      "9 END PGM A MM\n");
+  ASSERT_EQ(result.outcome.end, ProgramEnd::done) << findings(result.outcome);
+  EXPECT_NE(result.output.find("  Q203=-0.0200 ;SURFACE ~\n"), std::string::npos) << result.output;
+  EXPECT_NE(result.output.find(
+                "6 L X+101 Z+19.9798 FMAX M99\n7 CYCL DEF 200 DRILLING ~\n Q200=+2 ~\n Q201=-10 ~\n"),
+            std::string::npos)
+      << result.output;
+  EXPECT_NE(result.output.find(
+                "\n Q203=-0.0100 ~\n Q204=+20 ~\n Q211=+0\n8 L X+50 Z+19.9900 FMAX M99\n9 L Z+79.9900 FMAX"),
+            std::string::npos)
+      << result.output;
+}
+
+TEST(KlartextHoles, WithoutErrorsNoByteChanges) {
+  const std::string program = std::string(kHead) + kDrill +
+                              "5 L X+100 Y+10 FMAX M99\n6 L X+50 FMAX\n7 CYCL CALL M8\n8 L X+20 FMAX M89\n"
+                              "9 L X+30 FMAX\n10 L X+40 FMAX M99\n11 L M8\n12 L Z+70 FMAX\n13 END PGM A MM\n";
+  const ProgramRun result = run("EXX = 0\n", program);
+  ASSERT_EQ(result.outcome.end, ProgramEnd::done) << findings(result.outcome);
+  EXPECT_EQ(result.output, program);
+}
+
+// Forms in which programs have their Q words.
+TEST(KlartextHoles, DefinitionsInOneLineAndWithoutTildes) {
+  const std::string call = "5 L X+100 Y+10 FMAX M99\n6 END PGM A MM\n";
+  for (const std::string definition :
+       {"4 CYCL DEF 201 REAMING Q200=2 Q201=-10 Q206=100 Q211=0 Q208=FMAX Q203=0 Q204=50\n",
+        "4 CYCL DEF 207 TAPPING\n Q200=2 ;A ~\n Q201=-10 ~\n Q239=+1 ~\n Q203=+0 ~\n Q204=3\n",
+        "4 CYCL DEF 208\nQ200=2\nQ201=-5\nQ206=100\nQ334=1\nQ203=0,0\nQ204=3\nQ335=4\nQ342=0\n"}) {
+    const ProgramRun result = run(kSlope, kHead + definition + call);
+    ASSERT_EQ(result.outcome.end, ProgramEnd::done) << findings(result.outcome) << definition;
+    EXPECT_NE(result.output.find("Q203=-0"), std::string::npos) << result.output;
+  }
+}
+
+// CYCL CALL drills where the block before it ended; with a tilt in height that place is not the hole's.
+TEST(KlartextHoles, ACallThatGoesNowhereGetsAStep) {
+  const std::string tilt = "EXZ = { poly = [0, 0.1] }\n";
+  const ProgramRun result =
+      run(tilt, std::string(kHead) + kDrill + "5 L X+100 Y+10 FMAX\n6 CYCL CALL\n7 END PGM A MM\n");
+  ASSERT_EQ(result.outcome.end, ProgramEnd::done) << findings(result.outcome);
+  EXPECT_NE(result.output.find("\n6 L X+100.0004 FMAX\n7 CYCL CALL\n8 END"), std::string::npos)
+      << result.output;
+}
+
+// The direction in which a fine correction changes inside a hole cannot be followed.
+TEST(KlartextHoles, TooDeepAHoleIsRefused) {
+  const std::string tilt = "EXZ = { poly = [0, 0.5] }\n";
+  const ProgramRun result = run(tilt, std::string(kHead) + kDrill + "5 L X+9 Y+1 FMAX M99\n6 END PGM A MM\n");
+  EXPECT_EQ(result.outcome.end, ProgramEnd::refused);
+  EXPECT_NE(findings(result.outcome).find("E-CYCLE"), std::string::npos) << findings(result.outcome);
+}
+
+// A bore that is milled is as wide as its diameter.
+TEST(KlartextHoles, AWideBoreIsJudgedOverItsWidth) {
+  const std::string wide = "4 CYCL DEF 208 Q200=2 Q201=-5 Q206=100 Q334=1 Q203=0 Q204=3 Q335={} Q342=0\n";
+  for (const auto& [diameter, end] :
+       std::vector<std::pair<int, ProgramEnd>>{{5, ProgramEnd::done}, {15, ProgramEnd::refused}}) {
+    const ProgramRun result = run(kScale, kHead + fmt::format(fmt::runtime(wide), diameter) +
+                                              "5 L X+100 Y+10 FMAX M99\n6 END PGM A MM\n");
+    EXPECT_EQ(result.outcome.end, end) << diameter << findings(result.outcome);
+  }
+}
+
+TEST(KlartextHoles, WhatIsNotSureIsRefused) {
+  const std::string shallow = "4 CYCL DEF 200 Q200=2 Q201=-5 Q206=100 Q202=5 Q210=0 Q203=0 Q204=3 Q211=0\n";
+  const std::vector<std::pair<std::string, std::string>> refused = {
+      {"4 CYCL CALL\n", "E-CYCLE"},
+      {"4 L X+5 FMAX M99\n", "E-CYCLE"},
+      {shallow + "5 L X+5 FMAX M99 M9\n", "E-AUX"},
+      {shallow + "5 L Z-1 FMAX M91 M99\n", "E-CYCLE"},
+      {shallow + "5 TOOL CALL 1 Z\n6 L X+5 FMAX M99\n", "E-POS"},
+      {shallow + "5 L X+5 FMAX M89\n6 L Z+5 FMAX\n", "E-CYCLE"},
+      {shallow + "5 L X+5 FMAX M89\n6 L Y+5 F500\n", "E-CYCLE"},
+      {shallow + "5 L X+5 FMAX M89\n6 CYCL CALL\n", "E-CYCLE"},
+      {shallow + "5 L X+5 FMAX M89\n6 CYCL DEF 201\n", "E-CYCLE"},
+      {shallow + "5 CC X+5 Y+0\n6 C X+10 Y+0 DR+ F200 M99\n", "E-CYCLE"},
+      {"4 CYCL DEF 200 Q200=2 Q201=-5 Q203=0\n5 L X+5 FMAX M99\n", "E-CYCLE"},
+      {"4 CYCL DEF 200 Q200=2 Q201=5 Q203=0 Q204=0\n5 L X+5 FMAX M99\n", "E-CYCLE"},
+      {"4 CYCL DEF 200 Q200=2 Q201=Q5 Q203=0 Q204=0\n", "E-EXPR"},
+      {"4 CYCL DEF 200 Q200=2 Q335=5\n", "E-CYCLE"},
+      {shallow + "5 Q203=7\n6 L X+5 FMAX M99\n", "E-EXPR"},
+      {shallow + "5 CYCL CALL PAT\n", "E-GCODE"},
+      {"4 CYCL DEF 251 Q215=0\n", "E-CYCLE"},
+      {"4 CYCL DEF 247\n", "E-WCS"},
+      {"4 L X+5 F500 FMAX\n", "E-FEED"},
+      {"4 L X+5 FMAX F500\n", "E-FEED"}};
+  for (const auto& [blocks, code] : refused) {
+    const ProgramRun result = run(kScale, kHead + blocks + "90 END PGM A MM\n");
+    EXPECT_EQ(result.outcome.end, ProgramEnd::refused) << blocks;
+    EXPECT_NE(findings(result.outcome).find(code), std::string::npos) << blocks << findings(result.outcome);
+  }
+}
+
+}  // namespace
+}  // namespace abbe

@@ -1,0 +1,91 @@
+// Drilling cycles of conversational programs: CYCL DEF 200 .. 209, called by M99, CYCL CALL and M89.
+#include "abbe/verify/control.h"
+
+namespace abbe::verifying {
+namespace {
+
+constexpr int kCallAlways = 89;
+
+}  // namespace
+
+/// A line of a definition: the control remembers it and does nothing.
+bool Control::define_hole() {
+  add_comments();
+  if (block_->hole_begins) {
+    if (drills_always_)
+      return refuse(1, "E-CYCLE", "a definition while M89 calls a cycle behind every block",
+                    "the control may go on calling", "end M89 by M99");
+    hole_words_.cycle = block_->hole.cycle;
+    hole_words_.count = 0;
+  }
+  for (int i = 0; i < block_->hole.count; ++i) {
+    const auto k = static_cast<std::size_t>(i);
+    if (!hole_words_.take(block_->hole.name[k], block_->hole.value[k]))
+      return refuse(1, "E-CYCLE", "a Q word twice in one cycle", "it is not defined which one holds",
+                    "keep one");
+  }
+  return true;
+}
+
+/// What stands beside a call, or behind M89, must leave no doubt where the hole is.
+bool Control::may_drill(int call) {
+  const Block& b = *block_;
+  const auto bad = [&](const char* code, const char* what, const char* why) {
+    return refuse(1, code, what, why, "call each cycle with M99 behind L X.. Y.. FMAX");
+  };
+  if (hole_words_.cycle == 0) return bad("E-CYCLE", "a call without a cycle", "the control has none to run");
+  if (moves_ && motion_.kind != MotionKind::rapid && motion_.kind != MotionKind::line)
+    return bad("E-CYCLE", "a call beside an arc or a move home", "where it drills is not sure");
+  constexpr std::uint32_t calls = 1u << Block::kCalls;
+  bool late = (b.m_after & ~calls) != 0;
+  for (int i = 0; i < b.extra_count; ++i) late = late || b.extras[static_cast<std::size_t>(i)].after;
+  if (late)
+    return bad("E-AUX", "a call beside a code that acts behind the motion", "their order is not sure");
+  if (tcp_) return bad("E-TCP", "a cycle while the tip is controlled", "its axis is not sure");
+  const bool always = drills_always_ || call != 99;
+  const bool sideways = moves_ && motion_.kind == MotionKind::rapid && (motion_.named & 3u) != 0;
+  if (always && !sideways)
+    return bad("E-CYCLE", "M89 beside another block than L X.. Y.. FMAX", "it may drill there or not");
+  return m_.known == kAllAxes
+             ? frame_known()
+             : bad("E-POS", "a cycle where an axis is not known", "the hole cannot be compared");
+}
+
+/// The cycle that the block calls, where its motion ends.
+bool Control::drill() {
+  const int call = block_->m_code(Block::kCalls);
+  if (call < 0 && !(drills_always_ && moves_)) return true;
+  if (!may_drill(call)) return false;
+  std::string fault;
+  const auto place = place_of(hole_words_, fault);
+  if (!place) return refuse(1, "E-CYCLE", fault, "where the tool goes is not sure", "complete the cycle");
+  drills_always_ = call == kCallAlways || (drills_always_ && call < 0);
+  if (moves_) motion_.to_hole = motion_.kind == MotionKind::rapid;
+
+  drills_ = true;
+  hole_ = Motion{};
+  hole_.kind = MotionKind::cycle;
+  hole_.code = 10 * hole_words_.cycle;
+  hole_.start = m_;
+  hole_.turns_start = hole_.turns_end = turns_;
+  hole_.feed_mode = feed_mode_;
+  hole_.feed = feed_;
+  const auto at_height = [&](double height) {
+    Vec3 u = u_.at;
+    u.z() = height * unit_ + frames_.g92.z();
+    return Position{u, kAllAxes};
+  };
+  Cycle& cycle = hole_.cycle;
+  cycle.lifted = cycle.travel = m_.at;
+  cycle.retract = machine_of(frames_, at_height(place->retract)).at;
+  cycle.bottom = machine_of(frames_, at_height(place->bottom)).at;
+  u_ = at_height(place->clear);
+  m_ = machine_of(frames_, u_);
+  cycle.clear = m_.at;
+  cycle.reach = place->reach * unit_;
+  cycle.words = &hole_words_;
+  hole_.end = m_;
+  return true;
+}
+
+}  // namespace abbe::verifying

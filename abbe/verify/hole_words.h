@@ -1,0 +1,42 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace abbe::verifying {
+
+/// A drilling cycle of a conversational program (CYCL DEF 200 to 209) as its Q words say it: what the control
+/// remembers until it is called. Written apart from the rewriter's.
+struct HoleWords {
+  static constexpr int kMost = 20;
+  static constexpr double kNamedFeed = -1;  ///< a feed that is a word: FAUTO, MAX
+  int cycle = 0;                            ///< 0: none
+  int count = 0;
+  std::array<std::int16_t, kMost> name;  ///< 203 of Q203
+  std::array<double, kMost> value;       ///< program units
+
+  [[nodiscard]] std::optional<double> find(int q) const;
+  /// False: there is no room, or it is there.
+  [[nodiscard]] bool take(int q, double number);
+};
+
+/// The place of the surface: what may differ between an original and its output.
+inline constexpr int kSurfaceQ = 203;
+
+/// The words that cycle 200 .. 209 may have; empty: the cycle is not known.
+[[nodiscard]] std::span<const std::int16_t> known_words(int cycle);
+
+/// Heights and reach of a hole, program units.
+struct HolePlace {
+  double retract = 0, bottom = 0, clear = 0, reach = 0;
+};
+/// errors   nothing, `fault` says why: a word is missing, or its value leaves the motion to the control
+[[nodiscard]] std::optional<HolePlace> place_of(const HoleWords& words, std::string& fault);
+
+/// All words are equal but the place of the surface.
+[[nodiscard]] bool same_hole(const HoleWords& a, const HoleWords& b);
+
+}  // namespace abbe::verifying
