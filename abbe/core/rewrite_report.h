@@ -42,6 +42,9 @@ struct RewriteReport {
   double cycle_residual = 0;      ///< mm, inside canned cycles (rigid shift)
   std::uint64_t held_blocks = 0;  ///< or records, with a rotary axis held near a singularity
   double shortest_split = 0;      ///< mm, 0 = nothing split
+  double cutter_radius = 0;       ///< mm, largest that the control offsets the path by
+  double cutter_residual =
+      0;  ///< mm, across the path: correction at the cutter's centre minus at the contour
   /// How much farther off the tool is, at the worst of the places where the corrections were largest, per mm
   /// that the stated work offset or gauge length differs from the true one; mm per mm. None with rotary axes.
   struct Sensitivity {

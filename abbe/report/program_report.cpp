@@ -256,6 +256,8 @@ std::string json_report(const ProgramReport& report) {
     json.member("max_gradient_um_per_m", rewrite.max_gradient / um * metre).end();
     json.member("cycle_residual_um", rewrite.cycle_residual / um);
     json.member("shortest_split_mm", rewrite.shortest_split);
+    json.member("cutter_radius_mm", rewrite.cutter_radius);
+    json.member("cutter_residual_um", rewrite.cutter_residual / um);
     if (rewrite.sensitivity) {
       json.key("sensitivity").begin_object(Layout::one_line);
       json.member("offset_um_per_mm", rewrite.sensitivity->offset / um);
