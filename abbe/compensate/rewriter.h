@@ -14,6 +14,7 @@
 #include "abbe/compensate/arc.h"
 #include "abbe/compensate/block_numbers.h"
 #include "abbe/compensate/correction_field.h"
+#include "abbe/compensate/cutter.h"
 #include "abbe/compensate/line_edit.h"
 #include "abbe/compensate/line_split.h"
 #include "abbe/compensate/rewrite.h"
@@ -185,6 +186,21 @@ class Rewriter {
   bool choose_turning_feed(const Move& move, const Stop& start, const std::vector<Stop>& stops);
   void write_timed(const Move& move, const std::vector<Piece>& pieces, std::string& out);
 
+  // rewriter_cutter.cpp
+  [[nodiscard]] double shortest_end() const;
+  bool cutter_settings();
+  bool cutter_permits();
+  std::optional<double> stated_radius();
+  bool cutter_allows(const Move& move);
+  void cutter_moved();
+  bool follow_offset(const std::optional<PlaneWay>& way, const Vec3& meant);
+  std::optional<double> left_at_centre(const Vec3& m, const Vec3& tangent);
+  bool within_tolerance(double left, double bend);
+  bool keep_ends_whole(const Move& move, std::vector<std::size_t>& ends);
+  [[nodiscard]] double bend_between(const std::vector<std::size_t>& ends) const;
+  bool arc_beside(const Arc& nominal);
+  bool may_stand_still(const Vec3& m1, const Vec3& wanted);
+
   // rewriter_arc.cpp
   /// The directions in which the axes have moved last, after they went `way` (machine axes); `known` axes
   /// only.
@@ -214,6 +230,8 @@ class Rewriter {
   bool fit_piece(const Arc& nominal, double s0, double s1, const Vec3& start, bool whole, ArcPiece& piece);
   Vec3 rounded_end(const Vec3& want, const Vec3& p_out, bool first) const;
   [[nodiscard]] Value centre_value(int k, double centre, const Vec3& start, bool first, double& base) const;
+  [[nodiscard]] std::optional<PlaneWay> written_way(const ArcPiece& piece, const Vec3& start,
+                                                    const Vec3& end) const;
   void command_centre(const ArcPiece& piece, const Vec3& start, bool first, std::string* extra);
 
   // rewriter_pole.cpp: conversational programs, whose arcs go about a pole
@@ -319,6 +337,10 @@ class Rewriter {
   std::array<signed char, 3> stands_{};    ///< for which the output's place is corrected
   std::optional<int> selected_tool_, loaded_tool_;
   double gauge_ = 0;
+  CutterState cutter_;
+  std::optional<PlaneWay> last_way_;  ///< of the output, under cutter compensation
+  unsigned still_ = 0;                ///< X and Y (bits 0 1) must not move in this block
+  int edge_ = -1;                     ///< D that was said last, where it chooses the edge of a tool
   bool saved_g92_ = false;
   bool offset_doubtful_ = false;  ///< the control may have dropped the tool offset
   bool smoothing_said_ = false;

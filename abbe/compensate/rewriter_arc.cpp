@@ -206,6 +206,16 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
   return holds(piece.centre);
 }
 
+// What a piece of an arc does in the plane, as its words say it.
+std::optional<PlaneWay> Rewriter::written_way(const ArcPiece& piece, const Vec3& start,
+                                              const Vec3& end) const {
+  const bool clockwise = instruction_.motion == 20;
+  if (!piece.keeps_radius) return arc_way(start, end, piece.centre, clockwise);
+  const double radius = instruction_.find(*block_, 'R')->value * modal_.unit();
+  const auto centre = centre_of_radius(Plane::xy, start, end, radius, clockwise);
+  return centre ? arc_way(start, end, *centre, clockwise) : std::nullopt;
+}
+
 void Rewriter::command_centre(const ArcPiece& piece, const Vec3& start, bool first, std::string* extra) {
   const int a = plane_axes(modal_.plane)[0], b = plane_axes(modal_.plane)[1];
   if (piece.keeps_radius) return;
@@ -328,6 +338,7 @@ bool Rewriter::arc(const Move& move, std::string& out) {
   if (!c1) return false;
   note_correction(move.m1, *c1);
 
+  if (cutter_.acts() && !arc_beside(*nominal)) return false;
   Vec3 p_out = out_.p();
   const bool written = write_arc(*nominal, out, p_out);
   approach_ = last_approach;
@@ -355,6 +366,7 @@ bool Rewriter::fit_part(const Arc& nominal, double s0, double end, const Vec3& s
       const bool whole = piece.first && s0 == 0 && s1 == 1;
       if (!whole && std::abs(nominal.sweep) * (s1 - s0) > kTurn * 0.98) continue;
       if (k > 1 && s1 - s0 < splitting_.least) break;
+      if (!whole && cutter_.acts() && nominal.length() * (s1 - s0) < shortest_end()) break;
       fitted = fit_piece(nominal, s0, s1, start, whole, piece);
     }
     interpolation_ = usual;
@@ -431,6 +443,8 @@ bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
       straight = false;
       if (by_pole) begin_pole_arc(piece, first ? lead : tail, extra);
       command(piece.end, first, p_out, &extra);
+      if (cutter_.acts() && !follow_offset(written_way(piece, start, p_out), nominal.direction(s0)))
+        return false;
       if (by_pole) {
         end_pole_arc(first, extra);
       } else {

@@ -119,7 +119,9 @@ void Rewriter::motion(std::string& out) {
   refresh_datum();
   const bool machine_frame = instruction_.zero == 530;
   if (!machine_frame) keep_turns(move);
-  if (machine_frame) {
+  if (cutter_.acts() && !cutter_allows(move)) {
+    out_.m = move.m1;
+  } else if (machine_frame) {
     withheld_ |= move.named & 7u;
     for (std::size_t k = 0; k < 3; ++k) {
       if (move.named & (8u << k)) out_.turns[k] = move.turns1[k];
@@ -355,7 +357,7 @@ Rewriter::Value Rewriter::axis_value(int k, const Vec3& want, const Vec3& p_out,
   base = distance ? p_out[k] : 0.0;
   const double present = distance ? 0.0 : p_out[k] / modal_.unit();
   // An axis that G53 commanded gets no word of ours.
-  if (!word && (withheld_ & (1u << k))) return {present, false};
+  if (!word && ((withheld_ | still_) & (1u << k))) return {present, false};
   return value_for((want[k] - base) / modal_.unit(), word, present, decimals_of(named));
 }
 
@@ -392,7 +394,11 @@ void Rewriter::write_pieces(const Move& move, const std::vector<Piece>& pieces, 
     // every block of a conversational program says what it does
     extra = profile_.text.conversational ? " L" : "";
     const std::size_t bare = extra.size();
-    command(piece.want, first, p_out, &extra);
+    const Vec3 from = p_out;
+    command(still_ == 0 ? piece.want : Vec3(from.x(), from.y(), piece.want.z()), first, p_out, &extra);
+    if (cutter_.acts() &&
+        !follow_offset(straight_way(from, p_out), out_.frames.vector_to_program(move.m1 - move.m0)))
+      return;
     if (move.turns()) command_turns(move, piece, first, &extra);
     if (timed_feed_ > 0 || modal_.feed_mode == 930) put_feed_share(piece.s1 - piece.s0, first, &extra);
     if (!last && first && timed_feed_ == 0) stops_to_last(true, nullptr);
@@ -472,6 +478,7 @@ bool Rewriter::straight(const Move& move, std::string& out) {
       }
     }
   }
+  if (cutter_.acts() && feed && !keep_ends_whole(move, ends)) return false;
   pieces_.clear();
   const auto add = [&](double s1, const Vec3& m) {
     pieces_.push_back({pieces_.empty() ? 0 : pieces_.back().s1, s1, out_.frames.to_program(m), {}, {}});
@@ -481,6 +488,10 @@ bool Rewriter::straight(const Move& move, std::string& out) {
     add(samples_[ends[j]].s, move.m0 + samples_[ends[j]].s * way + samples_[ends[j]].correction);
   add(1, move.m1 + *c1);
   write_pieces(move, pieces_, out);
+  if (cutter_.acts()) {
+    if (still_ != 0 && !may_stand_still(out_.m, move.m1 + *c1)) return false;
+    cutter_moved();
+  }
   if (number_ == job_.trace_line) {
     move_text_ = pieces_.size() > 1
                      ? fmt::format("feed move in {} pieces: the correction bends along it", pieces_.size())

@@ -111,7 +111,11 @@ bool Rewriter::settings() {
                  "write D0 before, or post in G17");
     return false;
   }
-  return instruction_.rotation < 0 || turn_frame();
+  if (instruction_.rotation >= 0 && !turn_frame()) return false;
+  if (const Word* d = instruction_.find(*block_, 'D');
+      d && profile_.tools.edges != Profile::Tools::Edges::none)
+    edge_ = whole(d).value_or(-1);
+  return (instruction_.cutter < 0 && !cutter_.acts()) || cutter_settings();
 }
 
 // A number, or the name of a tool of the table. Nothing: to be refused.

@@ -46,6 +46,8 @@ struct RewriteReport {
   double shortest_split_time = 0;    ///< s: least time of such a piece; 0: nothing split, or F not known
   std::uint64_t held_splits = 0;     ///< motions that have fewer pieces than the tolerance asks for, for time
   double held_residual = 0;          ///< mm: what remains in them
+  double cutter_radius = 0;          ///< mm, largest that the control offsets the path by
+  double cutter_residual = 0;        ///< mm, across the path: correction at the cutter's centre minus at the contour
   /// How much farther off the tool is, at the worst of the places where the corrections were largest, per mm
   /// that the stated work offset or gauge length differs from the true one; mm per mm. None with rotary axes.
   struct Sensitivity {

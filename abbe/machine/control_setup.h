@@ -40,6 +40,8 @@ struct ControlSetup {
   std::map<int, WorkOffset> further_offsets;              ///< G54.1 P, G154 P: by number
   std::map<int, ToolEntry> tools;                         ///< by tool number
   std::map<int, double> gauges;                           ///< --gauge: tool number -> gauge length, mm
+  std::map<int, double>
+      radii;  ///< --radius: number of a D or tool -> cutter radius, mm; before the tool table
   std::optional<int> loaded_tool;  ///< in the spindle at the start; none = the machine file's tool
   std::array<std::optional<double>, 3> start;   ///< machine position before the program, if known
   std::array<double, 3> start_turns{};          ///< of A B C, rad
@@ -72,6 +74,10 @@ inline constexpr int kFixedWorkOffsets = 9;
 /// The number of the tool whose comment says name="DRILL 8.5" (T="DRILL 8.5" in programs); the first of
 /// several.
 [[nodiscard]] std::optional<int> tool_named(const std::map<int, ToolEntry>& tools, std::string_view name);
+
+/// The cutter radius of offset or tool `number`, mm: --radius, else half the diameter of the tool table.
+/// nullopt: neither knows the number. May be negative, where a table says so: to be refused.
+[[nodiscard]] std::optional<double> cutter_radius(const ControlSetup& setup, int number);
 
 /// The lever arm of the tool in the spindle (docs/machine-file.md, compensate): --gauge, else gauge=, else
 /// the table's Z offset, else the machine file's length (tool number absent or not in any table).

@@ -29,7 +29,7 @@ TEST(Profiles, EveryEmbeddedProfileIsReadWithoutAFinding) {
     EXPECT_EQ(parsed.value->name, embedded.name);
     EXPECT_FALSE(parsed.value->sources.empty());
     EXPECT_EQ(use_of(*parsed.value, "G1").meaning, Meaning::line);
-    EXPECT_EQ(use_of(*parsed.value, "G41").meaning, Meaning::unknown);
+    EXPECT_EQ(use_of(*parsed.value, "G41.2").meaning, Meaning::unknown);
     EXPECT_EQ(use_of(*parsed.value, "G17").meaning, Meaning::plane_xy);
   }
 }

@@ -233,6 +233,10 @@ bool Follower::run(const Progress& progress) {
       case ProgramReader::Item::event:
         break;
       case ProgramReader::Item::motion:
+        if (reader.motion().cutter.offset != 0)
+          return fail("E-CUTCOM", "cutter compensation: the program states the contour",
+                      "where the cutter's centre runs beside it is the control's affair",
+                      "post the tool-centre path, or say --radius D..=0 where the program states it");
         if (!place(reader.motion()) || !use_clock() || !follow(reader.motion())) return false;
         break;
     }

@@ -74,6 +74,10 @@ constexpr Role kRoles[] = {
     {Meaning::units_inch, units, 200},
     {Meaning::units_mm, units, 210},
     {Meaning::cutter_off, cutter, 400},
+    {Meaning::cutter_left, cutter, 410},
+    {Meaning::cutter_left_direct, cutter, 411},
+    {Meaning::cutter_right, cutter, 420},
+    {Meaning::cutter_right_direct, cutter, 421},
     {Meaning::tool_length, tool_length, 430},
     {Meaning::tool_length_minus, tool_length, 440},
     {Meaning::tool_length_direct, tool_length, 431},
@@ -244,6 +248,9 @@ void Reading::put_in_force(const Role& role, const CodeUse& use) {
       break;
     case units:
       out.units = role.code;
+      break;
+    case cutter:
+      out.cutter = role.code;
       break;
     case tool_length:
       out.tool_length = role.code;

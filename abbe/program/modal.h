@@ -70,6 +70,7 @@ struct Instruction {
   int wcs = -1;                        ///< work offset: 0 = G54 .. 8 = G59.3, then the further ones
   GCode tool_length = -1, plane = -1, units = -1, distance = -1, arc_distance = -1, feed_mode = -1,
         retract = -1;
+  GCode cutter = -1;        ///< G40, G41 G42, 411 421: D is the diameter
   bool dwell_by_f = false;  ///< F is the time of a dwell, no feed
   int rotation = -1;        ///< 1: a programmed rotation begins (G68), 0: it ends
   LetterSet motion_words = 0;

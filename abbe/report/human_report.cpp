@@ -81,6 +81,11 @@ std::string rewrite_text(const RewriteReport& rewrite) {
                                      "turn too far for a correction",
                                      rewrite.held_blocks));
   }
+  if (rewrite.cutter_radius > 0) {
+    text +=
+        line("cutter", fmt::format("the control offsets the contour by up to {:g} mm: {} um stay across it",
+                                   rewrite.cutter_radius, length_um(rewrite.cutter_residual)));
+  }
   if (rewrite.cycle_residual > 0) {
     text += line("cycles",
                  fmt::format("inside drilling cycles up to {} um remain", length_um(rewrite.cycle_residual)));

@@ -260,6 +260,8 @@ std::string json_report(const ProgramReport& report) {
     json.member("shortest_split_ms", rewrite.shortest_split_time * 1e3);
     json.key("held_splits").begin_object(Layout::one_line);
     json.member("count", rewrite.held_splits).member("residual_um", rewrite.held_residual / um).end();
+    json.member("cutter_radius_mm", rewrite.cutter_radius);
+    json.member("cutter_residual_um", rewrite.cutter_residual / um);
     if (rewrite.sensitivity) {
       json.key("sensitivity").begin_object(Layout::one_line);
       json.member("offset_um_per_mm", rewrite.sensitivity->offset / um);

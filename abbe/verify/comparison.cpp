@@ -212,6 +212,11 @@ void Comparison::compare_motion() {
   if (stop_ || (turns && !stand(expected.turns_end, output_turns_))) return;
   if (timed_ && !(expected.kind == MotionKind::line && expected.turns() && expected.feed_mode == 940))
     return disagree_and_stop("V-FEED", "G93 in the output for a motion that needs no time of its own");
+  using Phase = CutterUse::Phase;
+  if (expected.cutter.phase == Phase::off || expected.cutter.phase == Phase::begins) last_beside_ = {};
+  const bool changes = expected.cutter.phase == Phase::begins || expected.cutter.phase == Phase::ends;
+  if (changes || (expected.cutter.phase == Phase::on && expected.kind == MotionKind::rapid))
+    return compare_change(expected);
   if (expected.feeds() && !expected.machine_words)
     return expected.turns() ? cover_turning(expected) : cover(expected);
   if (!pull_motion() || !skip_step_to_hole(expected)) return;

@@ -83,6 +83,12 @@ class Comparison {
   bool rise(const Motion& stroke, Vec3& stood);
   bool pull_rapid(Vec3& end);
   bool take_rapid();
+  // cover_cutter.cpp: under cutter radius compensation
+  Vec3 tip_beside(const Motion& piece, double t, const Vec3& command, bool* outside);
+  [[nodiscard]] Vec3 centre_of(const Motion& piece, double t, const Vec3& command) const;
+  void check_beside(const Motion& original, const Motion& piece, double s);
+  void compare_change(const Motion& original);
+  void compare_contour_end(const Motion& original, const Motion& output);
 
   // cover_turning.cpp: feed motions with rotary axes
   struct TurnCover;
@@ -130,7 +136,11 @@ class Comparison {
     bool valid = false;
     Vec3 command = Vec3::Zero(), tip = Vec3::Zero();
     Approach approach{};
-  } reached_;             ///< end of the output's last motion
+  } reached_;  ///< end of the output's last motion
+  struct Beside {
+    Vec3 direction = Vec3::Zero();
+    double length = 0, narrowing = 1;
+  } last_beside_;         ///< the output's last motion in XY under cutter compensation
   double travelled_ = 0;  ///< feed path so far, mm
   bool tcp_ = false;
   bool timed_ = false;    ///< the output has switched to G93 for a motion that the original feeds in G94

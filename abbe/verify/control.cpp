@@ -24,6 +24,7 @@ Control::Control(const ControlSetup& setup, const Rotary* rotary)
       profile_(*shared_profile_),
       frames_(frames_of(setup, profile_)),
       tools_(setup.tools),
+      radii_(setup.radii),
       tool_(setup.loaded_tool),
       tool_change_keeps_place_(setup.tool_change_keeps_place),
       rotary_(rotary),
@@ -142,7 +143,7 @@ bool Control::execute_settled() {
   }
   add_comments();
   if ((block.words & kTurnLetters) != 0 && !turn_words_allowed()) return false;
-  if (!choose_motion()) return false;
+  if (!choose_motion() || !cutter_permits()) return false;
   constexpr std::uint32_t motion_group = 1u << 1;
   const bool plain = (block.g_groups & ~motion_group) == 0 && block.m_groups == 0 && block.extra_count == 0 &&
                      block.g_code(1) != kNoMotion && (block.words & letters('S', 'T', 'D')) == 0 &&
@@ -307,9 +308,9 @@ bool Control::modes() {
     unit_ = code == 200 ? abbe::inch : abbe::mm;
     cycle_r_ = cycle_z_ = cycle_q_ = cycle_level_ = std::nullopt;  // sticky numbers of another unit
   }
-  change(7);
   if (const int code = b.g_code(8); code >= 0 && !tool_offset(code)) return false;
   if (!edge()) return false;
+  if (const int code = b.g_code(7); code >= 0 && !switch_cutter(code)) return false;
   if (b.tcp_code >= 0) {
     if (b.tcp && (rotary_ == nullptr || !rotary_->declared()))
       return refuse(1, "E-TCP", "tool centre point control without a model of the control",
@@ -556,6 +557,7 @@ void Control::go_home(int code) {
     motion_.words[i] = (motion_.named >> i & 1) != 0 ? length_word(static_cast<char>('X' + i)) : 0;
   motion_.tcp = tcp_;
   motion_.turns_start = motion_.turns_end = turns_;
+  motion_.cutter = {};
   motion_.named_turns = 0;
   for (int k = 0; k < 3; ++k) {
     const char letter = static_cast<char>('A' + k);

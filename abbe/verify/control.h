@@ -111,6 +111,11 @@ class Control {
   bool define_hole();
   bool drill();
   bool may_drill(int call);
+  // control_cutter.cpp
+  bool cutter_permits();
+  bool switch_cutter(int code);
+  [[nodiscard]] std::optional<double> radius_in_force(int code) const;
+  bool move_beside();
 
   // control_turns.cpp
   bool turn_words_allowed();
@@ -132,6 +137,9 @@ class Control {
   Block settled_;  ///< the block with its numbers in units, where it needs that
   Frames frames_;
   std::map<int, ToolEntry> tools_;
+  std::map<int, double> radii_;     ///< of cutters, by the number of a D or a tool
+  std::optional<int> edge_number_;  ///< D that was said last, where it is the edge of a tool
+  CutterUse cutter_;
   std::optional<int> tool_, selected_;
   bool tool_change_keeps_place_;
   Position u_, m_;        ///< program position + g92, and axis commands

@@ -105,6 +105,7 @@ bool Control::edge() {
     fill(events_[event_count_ - 1], EventKind::g_code, d == 0 ? 490 : 430, letter_bit('D'));
     events_[event_count_ - 1].sets_frames = true;
     edge_stated_ = true;
+    edge_number_ = static_cast<int>(d);
   }
   if (profile_.tools.follows_plane && plane_ != 170 && frames_.tool_offset != Vec3::Zero())
     return refuse(1, "E-TOOL", "a tool offset in another plane than G17", "the length acts across that plane",

@@ -57,6 +57,7 @@ void Control::begin_motion(MotionKind kind) {
   motion_.named_turns = 0;
   motion_.feed_mode = feed_mode_;
   motion_.feed = feed_;
+  motion_.cutter = {};
   used_ |= letters('X', 'Y', 'Z');
 }
 
@@ -87,7 +88,7 @@ bool Control::move() {
                   "the path cannot be compared without it",
                   "command the axis with a rapid first, or give the start position");
   }
-  return true;
+  return move_beside();
 }
 
 bool Control::straight() {

@@ -130,8 +130,11 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
     disagree("V-EVENT", "one of the blocks can be deleted with '/', the other not");
   const double piece_length = length_of(piece);
   const bool first = cover.pieces++ == 0;
+  check_beside(original, piece, first ? 0 : std::clamp(cover.last_s, 0.0, 1.0));
+  if (stop_) return true;
   if (job_.reversal) follow_at(cover, std::clamp(cover.last_s, 0.0, 1.0) + cover.turning);
-  cover.tip = start_tip(piece.start.at);
+  const bool beside = piece.cutter.phase != CutterUse::Phase::off;
+  cover.tip = beside ? tip_beside(piece, 0, piece.start.at, nullptr) : start_tip(piece.start.at);
   if (first) {
     const Vec3 deviation = cover.tip - cover.path.point(0);
     if (deviation.squaredNorm() > cover.allowed * cover.allowed)
@@ -144,7 +147,7 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
     return stop_;
   }
   if (job_.reversal) {
-    if (take_up(cover, piece)) return false;
+    if (!beside && take_up(cover, piece)) return false;
     cover.from = std::clamp(cover.last_s, 0.0, 1.0);
     cover.share = piece.kind == original.kind && piece.kind == MotionKind::arc
                       ? piece.arc.sweep / original.arc.sweep
@@ -179,7 +182,7 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
     const double to = k == n ? 1 : static_cast<double>(k) / n;
     const Vec3 command = k == n ? piece.end.at : point_at(piece, to);
     if (job_.reversal) follow_along(cover, to);
-    const Vec3 tip = model_.actual(command, approach_, &cover.outside);
+    const Vec3 tip = tip_beside(piece, to, command, &cover.outside);
     if (looks_inside) {
       const Vec3 error_to = error_of(tip, command);
       sample_interval(cover, piece, from, error, to, error_to, tip, 0);
@@ -188,9 +191,9 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
     account(cover, piece, to, command, tip);
     from = to;
   }
-  reached_ = {true, piece.end.at, cover.tip, approach_};
+  reached_ = {!beside, piece.end.at, cover.tip, approach_};
   if (piece.kind == MotionKind::line && cover.beyond_travel < 0) {
-    cover.beyond_travel = model_.beyond_travel(piece.end.at, &cover.beyond_at);
+    cover.beyond_travel = model_.beyond_travel(centre_of(piece, 1, piece.end.at), &cover.beyond_at);
   }
 
   // How much of the original is left?
@@ -291,7 +294,7 @@ void Comparison::sample_interval(Cover& cover, const Motion& piece, double from,
   const double middle = from + kInner * (to - from);
   const Vec3 command = point_at(piece, middle);
   if (job_.reversal) follow_along(cover, middle);
-  const Vec3 tip = model_.actual(command, approach_, &cover.outside);
+  const Vec3 tip = tip_beside(piece, middle, command, &cover.outside);
   const Vec3 error = tip - model_.nominal(command);
   // How far the error is from the straight line between the ends of the interval.
   const Vec3 bend = error - ((1 - kInner) * error_from + kInner * error_to);
@@ -318,7 +321,7 @@ void Comparison::account(Cover& cover, const Motion& piece, double t, const Vec3
   const double back = std::max(cover.furthest - s, s - 1) * cover.length;
   if (back > allowed) cover.worst_back = std::max(cover.worst_back, back);
   if (piece.kind == MotionKind::arc && cover.beyond_travel < 0) {
-    cover.beyond_travel = model_.beyond_travel(command, &cover.beyond_at);
+    cover.beyond_travel = model_.beyond_travel(centre_of(piece, t, command), &cover.beyond_at);
   }
 
   const double weight = std::max(0.0, inside - std::clamp(cover.last_s, 0.0, 1.0)) * cover.length;

@@ -111,6 +111,13 @@ Diagnostics list_motions(const std::string& path, const std::string& name, const
       case ProgramReader::Item::event:
         break;
       case ProgramReader::Item::motion:
+        if (reader.motion().cutter.offset != 0)
+          return {{Severity::error,
+                   "E-CUTCOM",
+                   {name, static_cast<std::size_t>(reader.line()), 1, 1, reader.source_line()},
+                   "cutter compensation: the program states the contour",
+                   "where the cutter's centre runs beside it is the control's affair",
+                   "post the tool-centre path"}};
         lister.list(reader.motion(), reader.line());
         break;
       case ProgramReader::Item::end:

@@ -49,6 +49,13 @@ struct Cycle {
   const HoleWords* words = nullptr;  ///< of CYCL DEF 200 .. 209; valid until the next block is read
 };
 
+/// Cutter radius compensation, of the control and of a motion. `begins` and `ends`: the code has been given,
+/// the motion in XY that belongs to it is this one or has not come yet.
+struct CutterUse {
+  enum class Phase : std::uint8_t { off, begins, on, ends } phase = Phase::off;
+  double offset = 0;  ///< of the cutter's centre to the left of the contour, mm: r with G41, -r with G42
+};
+
 /// One motion as the control executes it. Positions are points in machine coordinates, mm: axis commands of
 /// X Y Z, or with tool centre point control those of the tip.
 struct Motion {
@@ -67,6 +74,7 @@ struct Motion {
   Turns turns_start{}, turns_end{};  ///< rotary positions, rad, counted through whole turns
   int feed_mode = 940;               ///< 930, 940, 950
   double feed = 0;                   ///< F in force, program units (G93: 1/min)
+  CutterUse cutter;                  ///< positions are of the contour, not of the cutter's centre
   Arc arc;
   Cycle cycle;
 

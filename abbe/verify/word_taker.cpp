@@ -96,6 +96,14 @@ constexpr Seat seat_of(Meaning meaning) {
       return {6, 210};
     case Meaning::cutter_off:
       return {7, 400};
+    case Meaning::cutter_left:
+      return {7, 410};
+    case Meaning::cutter_right:
+      return {7, 420};
+    case Meaning::cutter_left_direct:
+      return {7, 411};
+    case Meaning::cutter_right_direct:
+      return {7, 421};
     case Meaning::tool_length:
       return {8, 430};
     case Meaning::tool_length_minus:

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
+#include <map>
 #include <string_view>
 #include <utility>
 
@@ -91,22 +92,42 @@ void read_offsets(const std::vector<std::string>& arguments, double unit, Contro
   }
 }
 
-void read_gauges(const std::vector<std::string>& arguments, double unit, ControlSetup& setup,
-                 Diagnostics& findings) {
-  for (const Assignment& given : split_assignments("--gauge", arguments, findings)) {
-    const auto value = option_number("--gauge", given.name, given.text, findings);
-    const auto number = given.name.size() > 1 && (given.name[0] == 'T' || given.name[0] == 't')
-                            ? read_number(std::string_view(given.name).substr(1))
-                            : std::nullopt;
-    if (!number || *number < 0 || *number != std::floor(*number)) {
-      findings.push_back(
-          option_error("--gauge", fmt::format("'{}' is not a tool number", given.name), "write T3=112.4"));
-    } else if (value && !(*value > 0)) {
-      findings.push_back(option_error("--gauge",
-                                      fmt::format("the gauge length of {} is not positive", given.name),
-                                      "it is the distance from the spindle nose to the tip"));
+/// What an option gives tools by their numbers, or offsets by theirs.
+struct ToolOption {
+  const char *name, *letters, *example, *measure, *meaning;
+  bool zero = false;  ///< 0 is a value
+};
+constexpr ToolOption kGauge{
+    "--gauge", "Tt", "write T3=112.4", "gauge length", "it is the distance from the spindle nose to the tip",
+    false};
+constexpr ToolOption kRadius{
+    "--radius",
+    "DdTt",
+    "write D3=5.0",
+    "cutter radius",
+    "it is what the control offsets the path by; 0 where the program states the path of "
+    "the cutter's centre",
+    true};
+
+/// --gauge T3=112.4, --radius D3=5.0: lengths in the machine file's unit.
+void read_tool_option(const ToolOption& option, const std::vector<std::string>& arguments, double unit,
+                      std::map<int, double>& values, Diagnostics& findings) {
+  for (const Assignment& given : split_assignments(option.name, arguments, findings)) {
+    const auto value = option_number(option.name, given.name, given.text, findings);
+    const bool lettered = given.name.size() > 1 &&
+                          std::string_view(option.letters).find(given.name[0]) != std::string_view::npos;
+    const auto number = lettered ? read_number(std::string_view(given.name).substr(1)) : std::nullopt;
+    if (!number || *number < 0 || *number > 1e6 || *number != std::floor(*number)) {
+      findings.push_back(option_error(
+          option.name,
+          fmt::format("'{}' is not {} number", given.name, option.zero ? "an offset's" : "a tool"),
+          option.example));
+    } else if (value && !(*value > 0) && !(option.zero && *value == 0)) {
+      findings.push_back(option_error(option.name,
+                                      fmt::format("the {} of {} is not positive", option.measure, given.name),
+                                      option.meaning));
     } else if (value) {
-      setup.gauges[static_cast<int>(*number)] = *value * unit;
+      values[static_cast<int>(*number)] = *value * unit;
     }
   }
 }
@@ -153,6 +174,8 @@ void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) 
   verb.add_option("--tools", a.tools,
                   "LinuxCNC tool table, in mm (gauge= in a comment gives the gauge length)");
   verb.add_option("--gauge", a.gauges, "gauge length of a tool, e.g. T3=112.4 (repeatable)");
+  verb.add_option("--radius", a.radii,
+                  "cutter radius of G41 G42 D, e.g. D3=5.0 (repeatable; else from the tool table)");
   verb.add_option("--tool", a.tool, "number of the tool in the spindle at the start");
   verb.add_option(
           "--start", a.start,
@@ -253,7 +276,8 @@ std::optional<ProgramSetting> load_program_setting(const ProgramArguments& a, co
     good = text && take(read_tool_table(a.tools, *text), setup.tools, session) && good;
   }
   read_offsets(a.offsets, unit, setup, findings);
-  read_gauges(a.gauges, unit, setup, findings);
+  read_tool_option(kGauge, a.gauges, unit, setup.gauges, findings);
+  read_tool_option(kRadius, a.radii, unit, setup.radii, findings);
   for (const std::string& start : a.start) {
     if (const auto values = read_lettered("--start", start, false, findings)) {
       for (std::size_t k = 0; k < 3; ++k) {

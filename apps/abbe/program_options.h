@@ -18,7 +18,7 @@ namespace abbe::app {
 struct ProgramArguments {
   CommonArguments common;
   ProfileArguments profile;
-  std::vector<std::string> offsets, gauges, start;
+  std::vector<std::string> offsets, gauges, radii, start;
   std::string tools, parameters, block_delete, tool_change = "moves", datum = "probed", header = "inline";
   std::optional<int> tool;
   double tolerance_um = 1, max_correction_um = 500;

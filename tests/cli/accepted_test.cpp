@@ -23,6 +23,19 @@ EYX = { poly = [0, 0.1, 2e-5] }
 EC0Y = 20
 )";
 
+constexpr const char* kGentle = R"(format = 1
+[machine]
+name = "mill"
+chain = "w b X Y Z t"
+[axis.X]
+[axis.Y]
+[axis.Z]
+[errors]
+EXX = { poly = [0, 0.06, 1e-5] }
+EYX = { poly = [0, 0.05, 2e-5] }
+EC0Y = 20
+)";
+
 constexpr const char* kTiltingTable = R"(format = 1
 [machine]
 name = "table table"
@@ -149,8 +162,31 @@ constexpr const char* kHeidenhain = R"(0 BEGIN PGM PLATE MM
 17 END PGM PLATE MM
 )";
 
+/// A profile milled under cutter compensation, with the words of each control.
+std::string milled_profile(const std::string& head, const std::string& tail, const std::string& left,
+                           const std::string& round) {
+  return head + "G1 Z-4. F300.\nG1 " + left +
+         " X0. Y-10. F800.\nY50.\nG2 X10. Y60. I10. J0.\nG1 X70.\nG2 X80. Y50. " + round +
+         "10.\nG1 Y0.\nX-15.\nG40 X-40. Y-20.\nG0 Z50. M9\n" + tail;
+}
+
+const std::string kLinuxCncProfile =
+    milled_profile("%\nG21 G90 G17 G40 G49 G54\nT1 M6\nS6000 M3\nG43 H1\nG0 X-30. Y-30. Z50.\nZ2.\n",
+                   "M2\n%\n", "G41 D1", "R");
+const std::string kLinuxCncDirect =
+    milled_profile("G21 G90 G17 G54\nT1 M6 G43\nG0 X-30. Y-30. Z50.\n", "M2\n", "G41.1 D10.", "R");
+const std::string kFanucProfile = milled_profile(
+    "%\nO0100 (PROFILE D10 CLIMB)\nG21 G17 G40 G49 G80 G90\nT1 M6\nG54 G0 X-30. Y-30. S6000 M3\nG43 H1 Z50. "
+    "M8\nZ2.\n",
+    "G91 G28 Z0.\nM30\n%\n", "G41 D1", "R");
+const std::string kSiemensProfile =
+    milled_profile("G17 G40 G90 G94 G710\nT=\"MILL_D10\" M6\nD1 S6000 M3\nG54\nG0 X-30. Y-30. Z50.\nZ2.\n",
+                   "SUPA G0 Z0 D0\nM30\n", "G41", "CR=");
+
 struct Written {
-  const char *name, *dialect, *machine, *program, *start;
+  const char *name, *dialect, *machine;
+  std::string program;
+  const char* start;
   double before_um;  ///< at least
 };
 
@@ -178,7 +214,12 @@ INSTANTIATE_TEST_SUITE_P(
                       Written{"siemens_traori", "siemens", kTiltingTable, kSiemensFiveAxes, "X0,Y0,Z0,A0,C0",
                               1},
                       Written{"heidenhain", "heidenhain", kThreeAxes, kHeidenhain, "X0,Y0,Z200", 10},
-                      Written{"iso", "iso", kThreeAxes, kIso, "X0,Y0,Z0", 10}),
+                      Written{"iso", "iso", kThreeAxes, kIso, "X0,Y0,Z0", 10},
+                      Written{"linuxcnc_g41", "linuxcnc", kGentle, kLinuxCncProfile, "X0,Y0,Z0", 4},
+                      Written{"linuxcnc_g41_1", "linuxcnc", kGentle, kLinuxCncDirect, "X0,Y0,Z0", 4},
+                      Written{"fanuc_g41", "fanuc", kGentle, kFanucProfile, "X0,Y0,Z0", 4},
+                      Written{"haas_g41", "haas", kGentle, kFanucProfile, "X0,Y0,Z0", 4},
+                      Written{"siemens_g41", "siemens", kGentle, kSiemensProfile, "X0,Y0,Z0", 4}),
     [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "abbe/pipeline/test_random_contour.h"
+
 namespace abbe::oracle {
 namespace {
 
@@ -357,6 +359,13 @@ class Generator {
 
 std::string random_program(std::uint64_t seed, const Ingredients& ingredients) {
   return Generator(seed, ingredients).program();
+}
+
+std::string random_contour(std::uint64_t seed, bool worn_only) {
+  using abbe::testing::RandomContour;
+  static constexpr std::array<RandomContour::Tool, 4> kTools = {{{1, 10}, {2, 6}, {8, 4}, {9, 12}}};
+  abbe::testing::Random random(seed);
+  return RandomContour(random, kTools[seed % kTools.size()], worn_only).write(seed % 3 == 0);
 }
 
 }  // namespace abbe::oracle

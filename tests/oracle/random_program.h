@@ -21,4 +21,8 @@ struct Ingredients {
 /// move of all three axes, and is written relative to its words.
 [[nodiscard]] std::string random_program(std::uint64_t seed, const Ingredients& ingredients);
 
+/// A contour under cutter radius compensation with a tool of tool.tbl, every third in a turned work offset.
+/// `worn_only`: the path of the centre, with a wear of zero.
+[[nodiscard]] std::string random_contour(std::uint64_t seed, bool worn_only);
+
 }  // namespace abbe::oracle
