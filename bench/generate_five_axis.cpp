@@ -23,9 +23,10 @@ constexpr double kDegree = 3.14159265358979323846 / 180;
 void machine() {
   std::fputs(
       "format = 1\n[machine]\nname = \"five-axis bench\"\nchain = \"w C A Y b X Z t\"\n"
-      "[axis.A]\ndirection = [-1, 0, 0]\norigin = [0, 0, -50]\nerrors_seen = \"tool\"\n"
+      "[axis.X]\nrange = [-450, 450]\n[axis.Z]\nrange = [-300, 300]\n"
+      "[axis.A]\nrange = [-30, 110]\ndirection = [-1, 0, 0]\norigin = [0, 0, -50]\nerrors_seen = \"tool\"\n"
       "[axis.C]\ndirection = [0, 0, -1]\norigin = [0, 30, -80]\nerrors_seen = \"tool\"\n"
-      "[axis.Y]\nerrors_seen = \"tool\"\n[control]\nmode = \"axis\"\n"
+      "[axis.Y]\nrange = [-350, 350]\nerrors_seen = \"tool\"\n[control]\nmode = \"axis\"\n"
       "[tool]\norigin = [0, 0, 300]\nlength = 150\n[workpiece]\norigin = [0, 30, -80]\n[errors]\n",
       stdout);
   int seed = 1;
@@ -75,7 +76,7 @@ void random(long lines) {
     const long in_row = i % kRow;
     if (in_row == 0) at = somewhere(draw);
     for (std::size_t k = 0; in_row > 0 && k < 5; ++k)
-      at[k] += (draw() < 0.5 ? -1 : 1) * (k < 3 ? 0.2 + 1.8 * draw() * draw() : 0.3 * draw());
+      at[k] += (draw() < 0.5 ? -1 : 1) * (k < 3 ? 0.2 + 1.8 * draw() * draw() : 0.1 + 0.3 * draw());
     std::array<int, 5> decimals{};
     for (int& d : decimals) d = 1 + static_cast<int>(5 * draw());
     block(in_row == 0 ? "G0 " : in_row == 1 ? "G1 F2400 " : "", at, decimals);

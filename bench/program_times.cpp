@@ -43,8 +43,8 @@ std::size_t rewrite(const Plan& plan, const RewriteJob& job, std::span<const std
   std::string out;
   out.reserve(2 * kSink);
   std::size_t bytes = 0;
-  for (std::size_t i = 0; i < lines.size(); i += Rewriter::kRows) {
-    const std::size_t rows = std::min(Rewriter::kRows, lines.size() - i);
+  for (std::size_t i = 0; i < lines.size(); i += Rewriter::kMostLines) {
+    const std::size_t rows = std::min(Rewriter::kMostLines, lines.size() - i);
     rewriter.lines(lines.subspan(i, rows), i + 1, false, out);
     if (out.size() < kSink) continue;
     bytes += out.size();

@@ -24,6 +24,7 @@ struct RewriteJob {
   double max_gradient = 1e-3;        ///< mm per mm
   std::vector<std::string> header;   ///< comment lines to put at the top, after '%' and the O word
   std::uint64_t trace_line = 0;      ///< explain this line of the program; 0 = none
+  bool one_by_one = false;           ///< no lines are corrected together: slower, the same output
 };
 
 /// Rewrites a program so that the machine's errors cancel: edits the digits of coordinate words, adds

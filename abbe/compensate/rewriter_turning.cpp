@@ -55,14 +55,18 @@ Turning Rewriter::turning_of(int axis) const {
 }
 
 int Rewriter::turn_decimals(int axis) const {
-  const auto i = static_cast<std::size_t>(axes_.rotary[static_cast<std::size_t>(axis)]);
   const Word* word = turn_word_of(axis);
+  return turn_decimals(axis, word ? word->decimals : -1);
+}
+
+int Rewriter::turn_decimals(int axis, int written) const {
+  const auto i = static_cast<std::size_t>(axes_.rotary[static_cast<std::size_t>(axis)]);
   if (i < machine_.control.axes.size() && machine_.control.axes[i].resolution) {
     const double digits = -std::log10(*machine_.control.axes[i].resolution / deg);
     return std::clamp(static_cast<int>(std::floor(digits + 1e-9)), 0, 9);
   }
   const int profile = profile_.numbers.decimals_degree;
-  return word && profile_.numbers.finer ? std::max<int>(profile, word->decimals) : profile;
+  return profile_.numbers.finer ? std::max(profile, written) : profile;
 }
 
 bool Rewriter::turn_words_allowed() {
@@ -236,12 +240,26 @@ std::optional<Rewriter::Stop> Rewriter::stop_at(const Move& move, double s, cons
   return stop;
 }
 
+// Both stops were solved for, and what is between them follows.
+bool Rewriter::sure_of(const Move& move, const Stop& a, const Stop& b) const {
+  if (tcp_ || (a.s == 0 && !start_corrected_)) return false;
+  Move part;
+  part.m0 = move.m0 + a.s * (move.m1 - move.m0);
+  part.m1 = move.m0 + b.s * (move.m1 - move.m0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    part.turns0[k] = move.turns0[k] + a.s * (move.turns1[k] - move.turns0[k]);
+    part.turns1[k] = move.turns0[k] + b.s * (move.turns1[k] - move.turns0[k]);
+  }
+  return surely_straight(part, a.m, a.turns, b.m, b.turns, rounded_away());
+}
+
 // Is some place between two stops farther off than the interpolation may leave?
 bool Rewriter::bends(const Move& move, const Stop& a, const Stop& b) {
   const double length = (b.m - a.m).norm();
   double angle = 0;
   for (std::size_t k = 0; k < 3; ++k) angle = std::max(angle, std::abs(b.turns[k] - a.turns[k]));
   if (length < kShortestPiece && angle < kSmallestTurn) return false;
+  if (sure_of(move, a, b)) return false;
   const double direction = std::max(a.direction, b.direction) + kDirectionTolerance;
   const int looks =
       std::clamp(static_cast<int>(std::ceil(std::max(length / kLookSpacing, angle / kLookTurn))),
