@@ -9,25 +9,17 @@
 #include <numbers>
 #include <string>
 
+#include "bench/draw.h"
+
 namespace {
+
+using abbe::bench::Draw;
 
 constexpr double kLength = 400, kWidth = 240, kRowDistance = 0.35;  // mm
 constexpr int kArcEvery = 41;
 
 struct Point {
   double x = 0, y = 0, z = 0;
-};
-
-// Numbers in [0, 1), the same everywhere: a linear congruence (Knuth's MMIX constants).
-class Draw {
- public:
-  double operator()() {
-    state_ = state_ * 6364136223846793005U + 1442695040888963407U;
-    return static_cast<double>(state_ >> 11U) * 0x1p-53;
-  }
-
- private:
-  std::uint64_t state_ = 1;
 };
 
 // Rows lie at 30 degrees, so that every word of every block changes.

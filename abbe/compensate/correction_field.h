@@ -9,6 +9,7 @@
 #include "abbe/chain/control_kinematics.h"
 #include "abbe/chain/correct.h"
 #include "abbe/chain/plan.h"
+#include "abbe/chain/turning_bend.h"
 #include "abbe/kernel/tip_function.h"
 
 namespace abbe {
@@ -92,6 +93,8 @@ class CorrectionField {
   [[nodiscard]] double straight_length(double tolerance) const {
     return straight_reach(plan_, tool_, tolerance);
   }
+  /// The same for moves along which rotary axes turn.
+  [[nodiscard]] TurningBend turning_bend() const { return {plan_, tool_}; }
 
  private:
   void refresh();

@@ -70,7 +70,7 @@ RewriteReport rewrite_program(const Plan& plan, const RewriteJob& job, SpoolFile
   std::string text;
   text.reserve(2 * kBlock);
   bool written = true;
-  std::array<std::string_view, Rewriter::kRows> lines;
+  std::array<std::string_view, Rewriter::kMostLines> lines;
   std::uint64_t looked = 0;
   while (const std::size_t rows = reader.next(lines)) {
     rewriter.lines(std::span(lines).first(rows), reader.line_number() - rows + 1, reader.too_long(), text);

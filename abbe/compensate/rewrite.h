@@ -26,6 +26,7 @@ struct RewriteJob {
   double block_time = 0;             ///< no split makes a feed block that lasts shorter, s; 0: any
   std::vector<std::string> header;   ///< comment lines to put at the top, after '%' and the O word
   std::uint64_t trace_line = 0;      ///< explain this line of the program; 0 = none
+  bool one_by_one = false;           ///< no lines are corrected together: slower, the same output
 };
 
 /// Rewrites a program so that the machine's errors cancel: edits the digits of coordinate words, adds

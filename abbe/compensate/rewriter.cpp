@@ -13,8 +13,6 @@ namespace abbe {
 namespace {
 
 constexpr std::string_view kMark = "ABBE COMPENSATED";
-// Our mark stands in the header, never deeper.
-constexpr std::uint64_t kMarkLines = 40;
 // Half a digit, mm: finer ones need no allowance of their own.
 constexpr double kFineDigits = 0.2 * um;
 
@@ -35,7 +33,9 @@ Rewriter::Rewriter(const Plan& plan, const AddressedAxes& axes, const RewriteJob
       out_(job.setup),
       tcp_(machine_.control.tcp),
       axes_(axes),
-      frame_reported_(static_cast<std::size_t>(in_.frames.count())) {
+      frame_reported_(static_cast<std::size_t>(in_.frames.count())),
+      packet_(plan, axes),
+      bend_(field_.turning_bend()) {
   modal_.tcp_codes = machine_.control.codes;
   in_.turns = out_.turns = job.setup.start_turns;
   for (unsigned k = 0; k < 3; ++k) {
@@ -67,10 +67,10 @@ void Rewriter::warn(const char* code, std::string message, const char* why, cons
   findings_.add(Severity::warning, code, number_, block_->text, 0, 1, std::move(message), why, fix);
 }
 
-int Rewriter::decimals_of(const Word* word) const {
+int Rewriter::decimals_of(int written) const {
   // What the control resolves; where it reads finer numbers, a word that has more digits keeps them.
   const int profile = modal_.inch ? profile_.numbers.decimals_inch : profile_.numbers.decimals_mm;
-  return word && profile_.numbers.finer ? std::max<int>(profile, word->decimals) : profile;
+  return profile_.numbers.finer ? std::max(profile, written) : profile;
 }
 
 double Rewriter::half_digit(int decimals) const {
@@ -144,11 +144,23 @@ std::optional<BlockError> Rewriter::read_line(std::string_view bytes, Block& blo
 
 void Rewriter::lines(std::span<const std::string_view> texts, std::uint64_t number, bool too_long,
                      std::string& out) {
+  while (!texts.empty()) {
+    std::size_t done = too_long ? 0 : lane(texts, number, out);
+    if (done == 0) {
+      done = std::min(texts.size(), kRows);
+      block_lines(texts.first(done), number, too_long, out);
+    }
+    texts = texts.subspan(done);
+    number += done;
+  }
+}
+
+void Rewriter::block_lines(std::span<const std::string_view> texts, std::uint64_t number, bool too_long,
+                           std::string& out) {
   // What a colon means depends on whether there was a block before.
-  const std::size_t most = profile_.text.colon && !any_block_ ? 1 : kRows;
-  if (texts.size() > most) {
-    lines(texts.first(most), number, false, out);
-    return lines(texts.subspan(most), number + most, too_long, out);
+  if (profile_.text.colon && !any_block_ && texts.size() > 1) {
+    block_lines(texts.first(1), number, false, out);
+    return block_lines(texts.subspan(1), number + 1, too_long, out);
   }
   std::array<std::optional<BlockError>, kRows> errors;
   for (std::size_t i = 0; i < texts.size(); ++i) {

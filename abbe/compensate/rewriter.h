@@ -11,14 +11,17 @@
 #include <string_view>
 #include <vector>
 
+#include "abbe/chain/turning_bend.h"
 #include "abbe/compensate/arc.h"
 #include "abbe/compensate/block_numbers.h"
 #include "abbe/compensate/correction_field.h"
 #include "abbe/compensate/cutter.h"
 #include "abbe/compensate/line_edit.h"
 #include "abbe/compensate/line_split.h"
+#include "abbe/compensate/plain_line.h"
 #include "abbe/compensate/rewrite.h"
 #include "abbe/compensate/turn_word.h"
+#include "abbe/compensate/turning_packet.h"
 #include "abbe/program/block.h"
 #include "abbe/program/frames.h"
 #include "abbe/program/hole_cycle.h"
@@ -38,8 +41,8 @@ class Rewriter {
 
   /// The gradient between two points closer than this is dominated by rounding, mm.
   static constexpr double kGradientBase = 0.05;
-  /// Most lines of one call of lines().
-  static constexpr std::size_t kRows = 8;
+  /// More lines of one call of lines() save nothing.
+  static constexpr std::size_t kMostLines = TurningPacket::kMost;
   /// The next lines, with their end-of-line bytes; the first one has this number. Output lines are appended
   /// to `out`. A line that was cut (`too_long`) comes alone.
   void lines(std::span<const std::string_view> texts, std::uint64_t number, bool too_long, std::string& out);
@@ -73,7 +76,12 @@ class Rewriter {
     std::array<double, 3> turn_numbers{};  ///< those words
   };
 
+  /// Lines that are read at once where they are not plain.
+  static constexpr std::size_t kRows = 8;
+
   // rewriter.cpp: lines and blocks
+  void block_lines(std::span<const std::string_view> texts, std::uint64_t number, bool too_long,
+                   std::string& out);
   void line(const std::optional<BlockError>& error, bool too_long, std::string& out);
   void execute(std::string& out);
   std::optional<BlockError> read_line(std::string_view bytes, Block& block);
@@ -162,6 +170,7 @@ class Rewriter {
   [[nodiscard]] const Word* turn_word_of(int axis) const { return instruction_.find(*block_, "ABC"[axis]); }
   [[nodiscard]] Turning turning_of(int axis) const;
   [[nodiscard]] int turn_decimals(int axis) const;
+  [[nodiscard]] int turn_decimals(int axis, int written) const;
   bool turn_words_allowed();
   bool read_turns(Move& move);
   void keep_turns(const Move& move);
@@ -181,8 +190,10 @@ class Rewriter {
   };
   std::optional<Stop> stop_at(const Move& move, double s, const Turns& from);
   bool bends(const Move& move, const Stop& a, const Stop& b, double tolerance);
+  [[nodiscard]] bool sure_of(const Move& move, const Stop& a, const Stop& b) const;
   bool split_turn(const Move& move, const Stop& a, const Stop& b, int depth, std::vector<Stop>& stops);
-  void note_turning_gradient(const Move& move, const Stop& a, const Stop& b);
+  /// `meant`: way of the linear axes in the original, `done`: in the output.
+  void note_turning_gradient(const Vec3& meant, const Vec3& done);
   bool choose_turning_feed(const Move& move, const Stop& start, const std::vector<Stop>& stops);
   void write_timed(const Move& move, const std::vector<Piece>& pieces, std::string& out);
 
@@ -200,6 +211,24 @@ class Rewriter {
   [[nodiscard]] double bend_between(const std::vector<std::size_t>& ends) const;
   bool arc_beside(const Arc& nominal);
   bool may_stand_still(const Vec3& m1, const Vec3& wanted);
+
+  // rewriter_lane.cpp: runs of plain lines
+  /// Does the first lines, as many as it may: how many.
+  std::size_t lane(std::span<const std::string_view> texts, std::uint64_t number, std::string& out);
+  [[nodiscard]] bool lane_is_open(std::uint64_t number, std::size_t rows) const;
+  std::size_t read_ahead(std::span<const std::string_view> texts);
+  bool decide_turns(std::size_t i);
+  bool decide_places(std::size_t i, const Vec3& place);
+  [[nodiscard]] bool is_ordinary(std::size_t i, const Vec3& place) const;
+  bool take_plain(std::size_t i, std::string& out);
+  void write_plain(const PlainLine& line, std::string& out) const;
+  void one_line(std::string_view text, std::string& out);
+  /// The output, going evenly from one place to another, stays within the interpolation of the original, if
+  /// it is off by `at_start` at the first and by nothing at the second: a bound (TurningBend). Axis mode.
+  [[nodiscard]] bool surely_straight(const Move& move, const Vec3& from, const Turns& from_turns,
+                                     const Vec3& to, const Turns& to_turns, double at_start) const;
+  /// How far the rounding of words may take the tip, mm.
+  [[nodiscard]] double rounded_away() const;
 
   // rewriter_arc.cpp
   /// The directions in which the axes have moved last, after they went `way` (machine axes); `known` axes
@@ -298,7 +327,8 @@ class Rewriter {
   void append_definition(std::string& to, const std::string& surface);
   void step_aside(const Vec3& wanted, Vec3& shift, std::string& before);
 
-  [[nodiscard]] int decimals_of(const Word* word) const;
+  [[nodiscard]] int decimals_of(const Word* word) const { return decimals_of(word ? word->decimals : -1); }
+  [[nodiscard]] int decimals_of(int written) const;  ///< those of the word; -1: there is none
   [[nodiscard]] double digit_room() const;
   [[nodiscard]] double half_digit(int decimals) const;  ///< program units
   [[nodiscard]] const Word* axis_word(int axis) const { return instruction_.find(*block_, "XYZ"[axis]); }
@@ -313,6 +343,9 @@ class Rewriter {
   double interpolation_;     ///< mm
   double short_enough_ = 0;  ///< mm: a move up to this length is not looked into
   bool angular_;
+
+  // Our mark stands in the header, never deeper.
+  static constexpr std::uint64_t kMarkLines = 40;
 
   std::array<Block, kRows> blocks_;  ///< of the lines read last
   Block* block_ = blocks_.data();    ///< the one that is executed
@@ -408,6 +441,21 @@ class Rewriter {
   std::unique_ptr<HeldPole> held_pole_;
   KlartextContext klartext_;
   BlockNumbers block_numbers_;
+
+  /// A plain line of a packet, and what it asks for.
+  struct Ahead {
+    PlainLine line;
+    Vec3 m = Vec3::Zero();  ///< where the original goes
+    Turns turns{};
+    Turns stand{};                    ///< where the output's rotary axes go
+    std::array<double, 3> numbers{};  ///< their words
+    bool sure = false;                ///< these are beyond doubt
+  };
+  std::array<Ahead, TurningPacket::kMost> ahead_;
+  TurningPacket packet_;
+  TurningBend bend_;
+  unsigned written_ = 0;  ///< words of the present line with new numbers, as PlainLine::named
+  std::array<FixedNumber, PlainLine::kFeed> spelled_;
 
   std::vector<MoveSample> samples_;
   std::vector<ArcTarget> targets_;

@@ -27,7 +27,10 @@ bool Rewriter::change_tool(std::optional<int> number) {
   loaded_tool_ = number;
   const GaugeLength gauge = gauge_length(job_.setup, machine_, number);
   gauge_ = gauge.length;
-  field_.set_tool(tool_of(machine_, gauge.length));
+  const Tool tool = tool_of(machine_, gauge.length);
+  field_.set_tool(tool);
+  packet_.set_tool(tool);
+  bend_ = field_.turning_bend();
   short_enough_ = std::max(2 * interpolation_ / job_.max_gradient,
                            std::min(kShort, field_.straight_length(interpolation_)));
   last_correction_.reset();

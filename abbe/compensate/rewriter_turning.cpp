@@ -55,14 +55,18 @@ Turning Rewriter::turning_of(int axis) const {
 }
 
 int Rewriter::turn_decimals(int axis) const {
-  const auto i = static_cast<std::size_t>(axes_.rotary[static_cast<std::size_t>(axis)]);
   const Word* word = turn_word_of(axis);
+  return turn_decimals(axis, word ? word->decimals : -1);
+}
+
+int Rewriter::turn_decimals(int axis, int written) const {
+  const auto i = static_cast<std::size_t>(axes_.rotary[static_cast<std::size_t>(axis)]);
   if (i < machine_.control.axes.size() && machine_.control.axes[i].resolution) {
     const double digits = -std::log10(*machine_.control.axes[i].resolution / deg);
     return std::clamp(static_cast<int>(std::floor(digits + 1e-9)), 0, 9);
   }
   const int profile = profile_.numbers.decimals_degree;
-  return word && profile_.numbers.finer ? std::max<int>(profile, word->decimals) : profile;
+  return profile_.numbers.finer ? std::max(profile, written) : profile;
 }
 
 bool Rewriter::turn_words_allowed() {
@@ -236,12 +240,26 @@ std::optional<Rewriter::Stop> Rewriter::stop_at(const Move& move, double s, cons
   return stop;
 }
 
+// Both stops were solved for, and what is between them follows.
+bool Rewriter::sure_of(const Move& move, const Stop& a, const Stop& b) const {
+  if (tcp_ || (a.s == 0 && !start_corrected_)) return false;
+  Move part;
+  part.m0 = move.m0 + a.s * (move.m1 - move.m0);
+  part.m1 = move.m0 + b.s * (move.m1 - move.m0);
+  for (std::size_t k = 0; k < 3; ++k) {
+    part.turns0[k] = move.turns0[k] + a.s * (move.turns1[k] - move.turns0[k]);
+    part.turns1[k] = move.turns0[k] + b.s * (move.turns1[k] - move.turns0[k]);
+  }
+  return surely_straight(part, a.m, a.turns, b.m, b.turns, rounded_away());
+}
+
 // Is some place between two stops farther off than the interpolation may leave?
 bool Rewriter::bends(const Move& move, const Stop& a, const Stop& b, double tolerance) {
   const double length = (b.m - a.m).norm();
   double angle = 0;
   for (std::size_t k = 0; k < 3; ++k) angle = std::max(angle, std::abs(b.turns[k] - a.turns[k]));
   if (length < kShortestPiece && angle < kSmallestTurn) return false;
+  if (sure_of(move, a, b)) return false;
   const double direction = std::max(a.direction, b.direction) + kDirectionTolerance;
   const int looks =
       std::clamp(static_cast<int>(std::ceil(std::max(length / kLookSpacing, angle / kLookTurn))),
@@ -337,10 +355,9 @@ void Rewriter::write_timed(const Move& move, const std::vector<Piece>& pieces, s
 
 // How steeply the correction of the linear axes changes along the way of the tool. How it turns with the axes
 // is in it, so it says nothing about the machine file: reported only.
-void Rewriter::note_turning_gradient(const Move& move, const Stop& a, const Stop& b) {
-  const Vec3 way = (b.s - a.s) * (move.m1 - move.m0), change = b.m - a.m - way;
-  if (way.squaredNorm() > kGradientBase * kGradientBase)
-    report_.max_gradient = std::max(report_.max_gradient, change.norm() / way.norm());
+void Rewriter::note_turning_gradient(const Vec3& meant, const Vec3& done) {
+  if (meant.squaredNorm() > kGradientBase * kGradientBase)
+    report_.max_gradient = std::max(report_.max_gradient, (done - meant).norm() / meant.norm());
 }
 
 bool Rewriter::turn(const Move& move, std::string& out) {
@@ -380,7 +397,7 @@ bool Rewriter::turn(const Move& move, std::string& out) {
   std::vector<Piece> pieces;
   const Stop* from = start_corrected_ ? &start : nullptr;
   for (const Stop& stop : stops) {
-    if (from != nullptr) note_turning_gradient(move, *from, stop);
+    if (from != nullptr) note_turning_gradient((stop.s - from->s) * (move.m1 - move.m0), stop.m - from->m);
     from = &stop;
     pieces.push_back({pieces.empty() ? 0 : pieces.back().s1, stop.s, out_.frames.to_program(stop.m),
                       stop.turns, stop.numbers});

@@ -34,6 +34,7 @@ struct RewriteReport {
   std::string sha256_in;  ///< set by the pipeline, which reads the file before
   struct Blocks {
     std::uint64_t motion = 0, rewritten = 0, split = 0, passed = 0;
+    std::uint64_t together = 0;  ///< of `motion`: corrected side by side with their neighbours
   } blocks;
   std::uint64_t arcs_in = 0, arcs_out = 0;
   std::array<double, 3> max_correction{};  ///< per X Y Z, mm

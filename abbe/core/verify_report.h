@@ -55,9 +55,10 @@ struct VerifyReport {
   double quantisation = 0;     ///< mm: allowance for the digits of the output, largest used
   double allowed = 0;          ///< tolerance + quantisation, mm
   std::uint64_t feed_motions = 0, rapid_motions = 0, points = 0;  ///< compared
-  std::uint64_t events = 0;                                       ///< compared that are no motions
-  double path_length = 0;                                         ///< of feed motions, mm
-  double lost_motion = 0;  ///< largest |forward - backward| deviation seen, mm
+  std::uint64_t together = 0;  ///< of feed_motions: judged side by side with their neighbours
+  std::uint64_t events = 0;    ///< compared that are no motions
+  double path_length = 0;      ///< of feed motions, mm
+  double lost_motion = 0;      ///< largest |forward - backward| deviation seen, mm
   std::vector<DatumShift> datums;
   std::vector<PathSample> samples;
 };

@@ -36,6 +36,9 @@ struct Kernel {
   /// The actual tips of `count` poses with one tool and approach: tip[0..2][pose]. lanes[pose] |= outside.
   void (*tips)(const FlatView&, const double* tool_tip, const signed char* approach, const double* const* q,
                std::size_t count, double* const* tip, unsigned char* lanes) = nullptr;
+  /// The actual tips and tool axes of `count` poses: pose[0..2][i] and pose[3..5][i]. lanes[i] |= outside.
+  void (*poses)(const FlatView&, const Setting&, const double* const* q, std::size_t count,
+                double* const* pose, unsigned char* lanes) = nullptr;
   /// Corrected commands of `count` poses (all axes): a first-order step, then Setting::exact_steps Newton
   /// steps on the exact model. last[i]: length of the last step, mm (rotary steps count 300 mm per rad). An
   /// unusual lane's commands mean nothing. Needs corrects(view, free). Batches do what they may in single
@@ -43,6 +46,12 @@ struct Kernel {
   /// itself and of the way by which its rotary part moves the tip; more of itself where large errors cancel.
   void (*correct_poses)(const FlatView&, const Setting&, const double* const* q, std::size_t count,
                         double* const* corrected, double* last, unsigned char* lanes) = nullptr;
+  /// One Newton step of the three linear axes that are free, from `start` (all axes; near the solution,
+  /// rotary axes where they will stand), towards the nominal tip of `commanded` + shift: settled[axis][i] of
+  /// these three axes alone. last[i]: length of the step, mm. Needs corrects(view, free).
+  void (*settle_poses)(const FlatView&, const Setting&, const double* const* commanded,
+                       const double* const* start, std::size_t count, double* const* settled, double* last,
+                       unsigned char* lanes) = nullptr;
 };
 
 /// Three linear axes and up to two rotary ones are free: what correct_poses can do.

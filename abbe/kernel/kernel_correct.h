@@ -213,6 +213,16 @@ struct Solver {
   }
 };
 
+/// The flags of a packet of `width` lanes, whose bits are those of its lanes.
+inline void mark(unsigned outside, unsigned unusual, const Source& from, int width, unsigned char* lanes) {
+  if ((unusual | outside) == 0) return;
+  for (int i = 0; i < width && from.first + static_cast<std::size_t>(i) < from.count; ++i) {
+    unsigned char& flag = lanes[from.first + static_cast<std::size_t>(i)];
+    if ((outside >> i & 1) != 0) flag |= Lane::outside;
+    if ((unusual >> i & 1) != 0) flag |= Lane::unusual;
+  }
+}
+
 template <class V>
 void correct_packet(const FlatView& plan, const Setting& setting, const FreeAxes& axes, const Source& from,
                     double* const* corrected, double* last, unsigned char* lanes) {
@@ -243,12 +253,7 @@ void correct_packet(const FlatView& plan, const Setting& setting, const FreeAxes
   }
   for (int i = 0; i < plan.axis_count; ++i) store(corrected[i], from.first, from.count, q[i]);
   store(last, from.first, from.count, size);
-  if ((unusual | state.outside) == 0) return;
-  for (int i = 0; i < lanes_of<V> && from.first + static_cast<std::size_t>(i) < from.count; ++i) {
-    unsigned char& flag = lanes[from.first + static_cast<std::size_t>(i)];
-    if ((state.outside >> i & 1) != 0) flag |= Lane::outside;
-    if ((unusual >> i & 1) != 0) flag |= Lane::unusual;
-  }
+  mark(state.outside, unusual, from, lanes_of<V>, lanes);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // The last lines of every kernel_*.cpp: its table of functions. No #pragma once: one inclusion per file.
 
 #include "abbe/kernel/kernel_correct_single.h"
+#include "abbe/kernel/kernel_settle.h"
 
 namespace abbe::kernel {
 namespace {
@@ -17,23 +18,52 @@ void one_tip(const FlatView& plan, const double* tool_tip, const signed char* ap
   if (state.outside != 0) *lane |= Lane::outside;
 }
 
-void tips(const FlatView& plan, const double* tool_tip, const signed char* approach, const double* const* q,
-          std::size_t count, double* const* tip, unsigned char* lanes) {
+/// Tips, and if `kAxis` tool axes behind them, packet by packet.
+template <bool kAxis>
+void find_poses(const FlatView& plan, const double* tool_tip, const double* tool_axis,
+                const signed char* approach, const double* const* q, std::size_t count, double* const* to,
+                unsigned char* lanes) {
   for (std::size_t first = 0; first < count; first += lanes_of<Packet>) {
     Packet commands[kMaxFlatAxes];
-    for (int i = 0; i < plan.axis_count; ++i) commands[i] = load<Packet>({q, first, count}, i);
+    const Source from = {q, first, count};
+    for (int i = 0; i < plan.axis_count; ++i) commands[i] = load<Packet>(from, i);
     State<Packet> state;
     state.q = commands;
     state.tip = tool_tip;
+    state.axis = tool_axis;
     state.approach = approach;
     Triple<Packet> p, a;
-    walk_actual<Packet, false>(plan, state, p, a);
-    store(tip[0], first, count, p.x);
-    store(tip[1], first, count, p.y);
-    store(tip[2], first, count, p.z);
-    for (std::size_t i = first; state.outside != 0 && i < count && i < first + lanes_of<Packet>; ++i)
-      if ((state.outside >> (i - first) & 1) != 0) lanes[i] |= Lane::outside;
+    walk_actual<Packet, kAxis>(plan, state, p, a);
+    store(to[0], first, count, p.x);
+    store(to[1], first, count, p.y);
+    store(to[2], first, count, p.z);
+    if (kAxis) {
+      store(to[3], first, count, a.x);
+      store(to[4], first, count, a.y);
+      store(to[5], first, count, a.z);
+    }
+    mark(state.outside, 0, from, lanes_of<Packet>, lanes);
   }
+}
+
+void tips(const FlatView& plan, const double* tool_tip, const signed char* approach, const double* const* q,
+          std::size_t count, double* const* tip, unsigned char* lanes) {
+  find_poses<false>(plan, tool_tip, nullptr, approach, q, count, tip, lanes);
+}
+
+void poses(const FlatView& plan, const Setting& setting, const double* const* q, std::size_t count,
+           double* const* pose, unsigned char* lanes) {
+  find_poses<true>(plan, setting.tip, setting.axis, setting.approach, q, count, pose, lanes);
+}
+
+void settle_poses(const FlatView& plan, const Setting& setting, const double* const* commanded,
+                  const double* const* start, std::size_t count, double* const* settled, double* last,
+                  unsigned char* lanes) {
+  FreeAxes linear = free_axes_of(plan, setting);
+  linear.rotary_count = 0;
+  for (std::size_t i = 0; i < count; i += lanes_of<Packet>)
+    settle_packet<Packet>(plan, setting, linear, {commanded, i, count}, {start, i, count}, settled, last,
+                          lanes);
 }
 
 void correct_poses(const FlatView& plan, const Setting& setting, const double* const* q, std::size_t count,
@@ -69,7 +99,8 @@ void correct_poses(const FlatView& plan, const Setting& setting, const double* c
 }  // namespace
 
 const Kernel& ABBE_KERNEL_FUNCTION() {
-  static constexpr Kernel kernel = {ABBE_KERNEL_NAME, lanes_of<Packet>, one_tip, tips, correct_poses};
+  static constexpr Kernel kernel = {ABBE_KERNEL_NAME, lanes_of<Packet>, one_tip, tips, poses,
+                                    correct_poses,    settle_poses};
   return kernel;
 }
 

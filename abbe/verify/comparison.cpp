@@ -92,6 +92,7 @@ Comparison::Comparison(const VerifyJob& job, TipModel& model, ProgramReader& ori
       half_digit_mm_(0.5 * std::pow(10.0, -output.profile().numbers.decimals_mm)),
       half_digit_inch_(0.5 * std::pow(10.0, -output.profile().numbers.decimals_inch) * abbe::inch),
       output_turns_(job.setup.start_turns),
+      lane_{model.turning_bend(), {}, {}, {}, {}, {}, 0, 0, false, {}},
       samples_(job.samples) {}
 
 void Comparison::run(const KeepGoing& keep_going) {
@@ -101,6 +102,8 @@ void Comparison::run(const KeepGoing& keep_going) {
       report_.stopped = true;
       return;
     }
+    if (compare_plain()) continue;
+    lane_.follows = false;
     switch (original_.next()) {
       case Item::refused:
         return refused(original_);
@@ -334,6 +337,8 @@ void Comparison::update_context() {
     return;
   }
   look_up_straight_reach();
+  lane_.bend = model_.turning_bend();
+  lane_.original_serial = lane_.output_serial = 0;
   datum_ = Vec3::Zero();
   if (job_.datum != DatumRule::probed) return;
   const Frames& frames = original_.frames();

@@ -6,6 +6,7 @@
 
 #include "abbe/core/path_tally.h"
 #include "abbe/verify/nominal_path.h"
+#include "abbe/verify/plain_lane.h"
 #include "abbe/verify/reader.h"
 #include "abbe/verify/tip_model.h"
 #include "abbe/verify/verify.h"
@@ -109,6 +110,16 @@ class Comparison {
   [[gnu::cold]] void disagree_direction(double after, double before);
   void check_direction(const Motion& original, double after, double before);
 
+  // comparison_plain.cpp: runs of plain motions
+  bool compare_plain();
+  [[nodiscard]] bool lane_is_open() const;
+  void find_poses();
+  void find_start();
+  [[nodiscard]] PlainLane::End plain_end(std::size_t i, std::size_t j) const;
+  [[nodiscard]] bool commands_agree(const PlainLane::End& from, const PlainLane::End& to) const;
+  [[nodiscard]] bool stays_within(const PlainLane::End& from, const PlainLane::End& to) const;
+  void count_plain(const PlainLane::End& from, const PlainLane::End& to, std::uint64_t line);
+
   /// Tip at the start of a motion: mostly where the last one ended, and then already known.
   [[nodiscard]] Vec3 start_tip(const Vec3& command);
   [[nodiscard]] double half_digit() const;  ///< in the units in force, mm
@@ -145,6 +156,7 @@ class Comparison {
   bool tcp_ = false;
   bool timed_ = false;    ///< the output has switched to G93 for a motion that the original feeds in G94
   Turns output_turns_{};  ///< of the output after its last motion
+  PlainLane lane_;
   DeviationTally before_, after_;
   SampleKeeper samples_;
 };

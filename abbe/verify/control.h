@@ -9,6 +9,7 @@
 #include "abbe/machine/control_setup.h"
 #include "abbe/verify/block.h"
 #include "abbe/verify/motion.h"
+#include "abbe/verify/plain_motion.h"
 #include "abbe/verify/rotary.h"
 
 namespace abbe::verifying {
@@ -48,6 +49,15 @@ class Control {
             incremental_ ? u.known : u.known | (named_axes(block) & ~block.increments)};
   }
   [[nodiscard]] const Position& position() const { return u_; }  ///< u
+
+  // control_plain.cpp
+  /// Plain blocks that come now have no effect but to lead on.
+  [[nodiscard]] bool goes_plainly() const;
+  [[nodiscard]] PlainMotion here() const;
+  /// Where a block leads `from` another one's end. False: it is not plain.
+  [[nodiscard]] bool leads_plainly(const Block& block, const PlainMotion& from, PlainMotion& to) const;
+  /// The block with this motion was executed.
+  void take(const PlainMotion& motion);
 
   [[nodiscard]] const Frames& frames() const { return frames_; }
   [[nodiscard]] std::optional<int> tool() const { return tool_; }

@@ -241,8 +241,47 @@ struct ProgramReader::State {
       readable[i] =
           !in_tail && read_block(texts[i], control.profile(), blocks[i], fault, tcp_codes(), continued[i]);
     }
-    if (options.looks_ahead) look_ahead();
+    plain_count = 0;
+    // plain motions that turn axes are judged by poses, not by tips
+    const bool turns = rows > 0 && readable[0] && (blocks[0].words & letters('A', 'B', 'C')) != 0;
+    if (options.looks_ahead && !turns) look_ahead();
     return true;
+  }
+
+  [[nodiscard]] bool between_blocks() const {
+    return !has_single && !has_block && calls.empty() && !in_tail && !at_end && !refused && !conversational &&
+           !first_block && !at_top && !at_start;
+  }
+
+  PlainRun plain() {
+    if (!between_blocks() || !control.goes_plainly()) return {};
+    if (row + 1 == rows) {
+      text = {};
+      if (!read_rows()) return {};
+      row = kNoRow;
+    }
+    const std::size_t next = row + 1;
+    if (next >= plain_begin && next < plain_begin + plain_count)
+      return {{plains.data(), plain_count}, next - plain_begin, plain_serial};
+    plain_begin = next;
+    plain_count = 0;
+    ++plain_serial;
+    const PlainMotion* from = &present;
+    present = control.here();
+    while (next + plain_count < rows && readable[next + plain_count] &&
+           control.leads_plainly(blocks[next + plain_count], *from, plains[plain_count])) {
+      from = &plains[plain_count++];
+    }
+    return {{plains.data(), plain_count}, 0, plain_serial};
+  }
+
+  void take(std::size_t count) {
+    if (count == 0) return;
+    row += count;
+    control.take(plains[row - plain_begin]);
+    text = texts[row];
+    deletable = false;
+    place_count = 0;
   }
 
   /// In the present state: what changes it leads elsewhere.
@@ -365,6 +404,12 @@ struct ProgramReader::State {
   std::array<Block, kRows> blocks;
   std::array<bool, kRows> readable{};
   std::size_t rows = 1, row = 0;  ///< the current one
+  /// Before the first row: ++row is 0.
+  static constexpr std::size_t kNoRow = static_cast<std::size_t>(-1);
+  std::array<PlainMotion, kRows> plains;  ///< of rows from plain_begin on
+  PlainMotion present;
+  std::size_t plain_begin = 0, plain_count = 0;
+  std::uint64_t plain_serial = 0;
   std::array<Vec3, kRows> places;
   std::size_t place_count = 0;
   std::string_view text;  ///< of the current line
@@ -410,6 +455,9 @@ FileResult<ProgramReader> ProgramReader::open(const std::string& path, const std
 }
 
 ProgramReader::Item ProgramReader::next() { return state_->next(); }
+PlainRun ProgramReader::plain() { return state_->plain(); }
+PlainMotion ProgramReader::here() const { return state_->control.here(); }
+void ProgramReader::take(std::size_t count) { state_->take(count); }
 const Event& ProgramReader::event() const { return *state_->current; }
 const Motion& ProgramReader::motion() const { return *state_->given; }
 const Diagnostic& ProgramReader::refusal() const { return state_->refusal; }

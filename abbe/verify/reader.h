@@ -11,6 +11,7 @@
 #include "abbe/core/file.h"
 #include "abbe/machine/control_setup.h"
 #include "abbe/verify/motion.h"
+#include "abbe/verify/plain_motion.h"
 #include "abbe/verify/rotary.h"
 
 namespace abbe::verifying {
@@ -43,6 +44,12 @@ class ProgramReader {
   [[nodiscard]] const Event& event() const;         ///< after Item::event, until the next call
   [[nodiscard]] const Motion& motion() const;       ///< after Item::motion, until the next call
   [[nodiscard]] const Diagnostic& refusal() const;  ///< after Item::refused
+
+  /// Plain motions that come next, where nothing else comes first and no event is left; reads on for them.
+  /// take() goes behind the first `count` of those that are left.
+  [[nodiscard]] PlainRun plain();
+  void take(std::size_t count);
+  [[nodiscard]] PlainMotion here() const;  ///< where the last block has led
 
   /// Where the next motions seem to end, axis commands, mm: whenever new lines were read, once; else nothing.
   [[nodiscard]] std::span<const Vec3> ahead();

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -148,6 +149,54 @@ Vec3 TipModel::actual(const Vec3& m, const Approach& approach, bool* outside) co
   for (std::size_t k = 0; k < 3; ++k) query_.q[axes_[k]] = axes[static_cast<Eigen::Index>(k)];
   place(approach);
   return actual_tip_(query_, outside);
+}
+
+void TipModel::find(const kernel::FlatPlan& plan, std::span<const PlainMotion> motions, Poses& poses) const {
+  assert(motions.size() <= Poses::kMost);
+  kernel::Setting setting;
+  for (int k = 0; k < 3; ++k) {
+    setting.tip[k] = query_.tool.tip[k];
+    setting.axis[k] = query_.tool.axis[k];
+  }
+  std::array<std::array<double, Poses::kMost>, kernel::kMaxFlatAxes> rows{};
+  std::array<double, kMaxAxes> axes{};
+  const auto axis_count = static_cast<std::size_t>(plan.view().axis_count);
+  for (std::size_t i = 0; i < motions.size(); ++i) {
+    place(motions[i].m, motions[i].turns, axes);
+    for (std::size_t k = 0; k < axis_count; ++k) rows[k][i] = axes[k];
+  }
+  std::array<const double*, kernel::kMaxFlatAxes> q{};
+  for (std::size_t k = 0; k < axis_count; ++k) q[k] = rows[k].data();
+  std::array<double*, 6> to{};
+  for (std::size_t k = 0; k < to.size(); ++k) to[k] = poses.number[k].data();
+  poses.lanes.fill(kernel::Lane::ordinary);
+  kernel::best().poses(plan.view(), setting, q.data(), motions.size(), to.data(), poses.lanes.data());
+}
+
+void TipModel::nominal_poses(std::span<const PlainMotion> motions, Poses& poses) const {
+  find(*believed_, motions, poses);
+}
+
+void TipModel::actual_poses(std::span<const PlainMotion> motions, Poses& poses) const {
+  find(*flat_, motions, poses);
+}
+
+void TipModel::place(const Vec3& m, const Turns& turns, std::array<double, kMaxAxes>& axes) const {
+  for (std::size_t k = 0; k < 3; ++k) {
+    axes[axes_[k]] = m[static_cast<Eigen::Index>(k)];
+    if (rotary_.has(static_cast<int>(k))) axes[static_cast<std::size_t>(rotary_.axes().rotary[k])] = turns[k];
+  }
+}
+
+bool TipModel::beyond_travel(const PlainMotion& motion) const {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const double linear = motion.m[static_cast<Eigen::Index>(k)], turn = motion.turns[k];
+    const bool within =
+        linear >= travel_[k][0] && linear <= travel_[k][1] &&
+        (!rotary_.has(static_cast<int>(k)) || (turn >= turn_travel_[k][0] && turn <= turn_travel_[k][1]));
+    if (!within) return true;
+  }
+  return false;
 }
 
 int TipModel::beyond_travel(const Vec3& m, double* at) const {

@@ -7,10 +7,12 @@
 
 #include "abbe/chain/bend.h"
 #include "abbe/chain/predict.h"
+#include "abbe/chain/turning_bend.h"
 #include "abbe/core/diagnostic.h"
 #include "abbe/kernel/tip_function.h"
 #include "abbe/machine/control_setup.h"
 #include "abbe/verify/frames.h"
+#include "abbe/verify/plain_motion.h"
 #include "abbe/verify/rotary.h"
 
 namespace abbe::verifying {
@@ -54,6 +56,28 @@ class TipModel {
   /// Tip with all errors. `outside` is set when an error is held beyond its ends.
   [[nodiscard]] Vec3 actual(const Vec3& m, const Approach& approach, bool* outside) const;
 
+  /// Tips and tool axes of many plain motions' ends, side by side.
+  struct Poses {
+    static constexpr std::size_t kMost = 8;
+    std::array<std::array<double, kMost>, 6> number{};
+    std::array<unsigned char, kMost> lanes{};  ///< not 0: an error is held beyond its ends
+    [[nodiscard]] TipAndAxis at(std::size_t i) const {
+      return {Vec3(number[0][i], number[1][i], number[2][i]), Vec3(number[3][i], number[4][i], number[5][i])};
+    }
+  };
+  /// What nominal_pose() and actual_pose() give for axis commands, whatever the stance is.
+  /// errors   no_poses(): not for this machine
+  /// cost     some 20 and 50 ns per motion, no allocation
+  void nominal_poses(std::span<const PlainMotion> motions, Poses& poses) const;
+  void actual_poses(std::span<const PlainMotion> motions, Poses& poses) const;
+  [[nodiscard]] bool no_poses() const { return flat_ == nullptr || believed_ == nullptr || directional_; }
+  /// Positions of all moving axes.
+  void place(const Vec3& m, const Turns& turns, std::array<double, kMaxAxes>& axes) const;
+  /// See TurningBend; with the tool in the spindle.
+  [[nodiscard]] TurningBend turning_bend() const { return {plan_, query_.tool}; }
+  /// An axis is outside its travel there.
+  [[nodiscard]] bool beyond_travel(const PlainMotion& motion) const;
+
   /// Commands that actual() will probably be asked for soon, in this order: found together they cost less.
   /// Changes no answer by more than the rounding of doubles.
   void look_ahead(std::span<const Vec3> commands, const Approach& approach);
@@ -75,7 +99,14 @@ class TipModel {
 
  private:
   TipModel(const Plan& plan, const ControlSetup& setup)
-      : plan_(plan), actual_tip_(plan), setup_(setup), rotary_(plan.machine()) {}
+      : plan_(plan),
+        actual_tip_(plan),
+        flat_(kernel::FlatPlan::make(plan)),
+        setup_(setup),
+        rotary_(plan.machine()),
+        believed_(kernel::FlatPlan::make(
+            std::get<Plan>(make_plan(rotary_.kinematics().believed(), Environment{})))) {}
+  void find(const kernel::FlatPlan& plan, std::span<const PlainMotion> motions, Poses& poses) const;
   void refresh();
   void turn(Query& query, const Turns& turns) const;
   void place(const Approach& approach) const;
@@ -83,8 +114,10 @@ class TipModel {
   static constexpr std::size_t kAhead = kernel::TipFunction::kMost;
   Plan plan_;
   kernel::TipFunction actual_tip_;
+  std::shared_ptr<const kernel::FlatPlan> flat_;
   ControlSetup setup_;
   Rotary rotary_;
+  std::shared_ptr<const kernel::FlatPlan> believed_;  ///< as the control knows the machine
   Stance stance_;
   Affine original_axes_, output_axes_;  ///< with tool centre point control: points -> axis commands
   std::array<std::size_t, 3> axes_{};   ///< of X Y Z among the moving axes

@@ -26,6 +26,7 @@ struct VerifyJob {
   double max_correction = 500 * um;     ///< mm: a commanded point may not move farther than this
   double block_time = 0;                ///< least time of a piece of a split motion, s; 0: any
   std::size_t samples = 0;              ///< points to keep for figures, spread over the path; 0 = none
+  bool one_by_one = false;              ///< no motions are judged together: slower, the same verdict
   FileGrowth* output_growth = nullptr;  ///< of an output that is still being written
 };
 

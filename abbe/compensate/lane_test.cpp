@@ -1,0 +1,129 @@
+// Lines corrected together are those corrected one by one, byte for byte.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <variant>
+
+#include "abbe/compensate/correction_field.h"
+#include "abbe/compensate/plain_line.h"
+#include "abbe/compensate/plain_program_fixture.h"
+#include "abbe/compensate/rewrite_fixture.h"
+#include "abbe/compensate/turning_packet.h"
+#include "abbe/program/block.h"
+
+namespace abbe {
+namespace {
+
+using testing::five_axes;
+using testing::RandomProgram;
+using testing::rewrite;
+using testing::Rewritten;
+
+TEST(Lane, LinesTogetherAreLinesOneByOne) {
+  const Machine machine = five_axes();
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    const std::string program = RandomProgram(seed).text(400);
+    RewriteJob job = testing::plain_job();
+    job.probed_datum = seed % 2 == 0;
+    job.setup.work_offsets[0]->origin = {seed * 3.0, 5, -7};
+    const Rewritten together = rewrite(machine, program, job);
+    job.one_by_one = true;
+    const Rewritten alone = rewrite(machine, program, job);
+    ASSERT_TRUE(alone.report.complete) << alone.findings();
+    EXPECT_EQ(together.text, alone.text) << "seed " << seed;
+    EXPECT_EQ(together.findings(), alone.findings());
+    EXPECT_GT(together.report.blocks.together, 80u);
+    EXPECT_EQ(alone.report.blocks.together, 0u);
+    EXPECT_EQ(together.report.lines_out, alone.report.lines_out);
+    EXPECT_EQ(together.report.blocks.motion, alone.report.blocks.motion);
+    EXPECT_EQ(together.report.blocks.rewritten, alone.report.blocks.rewritten);
+    EXPECT_EQ(together.report.blocks.split, alone.report.blocks.split);
+    EXPECT_EQ(together.report.max_line, alone.report.max_line);
+    for (std::size_t k = 0; k < 3; ++k)
+      EXPECT_NEAR(together.report.max_correction[k], alone.report.max_correction[k], 1e-8);
+  }
+}
+
+TEST(Lane, ALineThatIsTooFarOffIsRefusedAsAlone) {
+  const Machine machine = five_axes();
+  std::string program = "G21 G90 G17 G54 G94\nG0 X0 Y10 Z20 A30 C0\nG1 X1 Y10 Z20 A30.5 C0.5 F2000\n";
+  for (int i = 0; i < 60; ++i)
+    program += "X" + std::to_string(2 + 0.5 * i) + " A" + std::to_string(31 + 0.1 * i) + " C" +
+               std::to_string(1 + 0.1 * i) + "\n";
+  for (const char* last : {"X500 A40 C9\n", "X30 A120 C9\n", "X30 B1 A40 C9\n", "X30 A40 C9 X4\n"}) {
+    RewriteJob job = testing::plain_job();
+    const Rewritten together = rewrite(machine, program + last + "M2\n", job);
+    job.one_by_one = true;
+    const Rewritten alone = rewrite(machine, program + last + "M2\n", job);
+    EXPECT_FALSE(alone.report.complete) << last;
+    EXPECT_EQ(together.findings(), alone.findings());
+  }
+}
+
+TEST(TurningPacket, PlacesAreThoseOfTheField) {
+  const Machine machine = five_axes();
+  const Plan plan = std::get<Plan>(make_plan(machine, {}));
+  const AddressedAxes axes = addressed_axes(machine);
+  TurningPacket packet(plan, axes);
+  ASSERT_TRUE(packet.usable());
+  packet.set_tool(tool_of(machine));
+  CorrectionField field(plan, axes, true);
+  std::array<Vec3, TurningPacket::kMost> m;
+  std::array<Turns, TurningPacket::kMost> turns;
+  for (std::size_t i = 0; i < m.size(); ++i) {
+    const double t = static_cast<double>(i);
+    m[i] = {10 + 0.6 * t, -20 + 0.3 * t, 30 - 0.2 * t};
+    turns[i] = {(25 + 0.2 * t) * deg, 0, (40 - 0.3 * t) * deg};
+    packet.command(i, m[i], turns[i]);
+  }
+  packet.solve(m.size(), field.datum());
+  std::array<Turns, TurningPacket::kMost> stand;
+  for (std::size_t i = 0; i < m.size(); ++i) {
+    field.set_stance({turns[i], turns[i], false});
+    const auto alone = field.turns_at(m[i], turns[i], 5);
+    stand[i] = turns[i];
+    for (const std::size_t k : {std::size_t{0}, std::size_t{2}}) {
+      EXPECT_GT(std::abs(alone.turns[k] - turns[i][k]), 1e-7);
+      EXPECT_NEAR(packet.turn(i, k), alone.turns[k], packet.turn_doubt(i));
+      stand[i][k] = alone.turns[k] + 4e-7;
+    }
+    packet.stand(i, stand[i]);
+  }
+  packet.settle(m.size());
+  for (std::size_t i = 0; i < m.size(); ++i) {
+    EXPECT_TRUE(packet.ordinary(i));
+    field.set_stance({turns[i], stand[i], false});
+    EXPECT_LE((packet.place(i) - field.at(m[i]).q).cwiseAbs().maxCoeff(), packet.place_doubt(i));
+    EXPECT_LT(packet.place_doubt(i), 1e-6);
+  }
+}
+
+TEST(PlainLine, SaysWhatTheBlockSays) {
+  for (const char* text : {"X1.5 Y-2. Z.25 A-30.25 C0 F800", "A1", "C-360.00001X2\r\n", "Z12.3456B7\n"}) {
+    PlainLine line;
+    ASSERT_TRUE(read_plain_line(text, line)) << text;
+    Block block;
+    ASSERT_FALSE(read_block(text, block));
+    ASSERT_EQ(line.count, static_cast<std::size_t>(block.count));
+    EXPECT_EQ(line.text, block.text);
+    EXPECT_EQ(line.eol, block.eol);
+    for (std::size_t w = 0; w < line.count; ++w) {
+      const PlainLine::Number& number = line.numbers[line.order[w]];
+      EXPECT_EQ("XYZABCF"[line.order[w]], block.words[w].letter);
+      EXPECT_EQ(number.value, block.words[w].value);
+      EXPECT_EQ(number.begin, block.words[w].number);
+      EXPECT_EQ(number.end, block.words[w].end);
+      EXPECT_EQ(number.decimals, block.words[w].decimals);
+    }
+  }
+  for (const char* text :
+       {"",       "\n", "F800",  "G1 X2", "N5 X2", "x2",   "X2 X3", "X +2",   "X+2", " X2", "X2 ",
+        "X2  Y3", "X",  "X2(c)", "X2;c",  "/X2",   "X1E2", "X#1",   "X1.2.3", "%",   "X--2"}) {
+    PlainLine line;
+    EXPECT_FALSE(read_plain_line(text, line)) << text;
+  }
+}
+
+}  // namespace
+}  // namespace abbe
