@@ -110,7 +110,7 @@ INSTANTIATE_TEST_SUITE_P(
         Hazard{"h23_bytes", "offset", 0, {}, {}},
         Hazard{"h25_cutter_compensation", "kink", 0, {}, {"--radius", "D1=5"}},
         Hazard{"h25_short_corner",
-               "kink",
+               "offset",
                3,
                {"6:1: error[E-CUTCOM]", "7:1: error[E-CUTCOM]"},
                {"--radius", "D1=5"}},
