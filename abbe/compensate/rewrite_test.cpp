@@ -420,6 +420,17 @@ TEST(Rewrite, HolesAreCorrectedForTheWayTheToolComes) {
       << result.text;
 }
 
+/// Z going up carries the drill aside by 0.6 um: nothing the cut sees, but the hole on the way out.
+TEST(Rewrite, TheWayOutOfAHoleIsInWhatRemainsInside) {
+  const Machine machine = three_axes({{"EXZ", ErrorFunction::directional(2, ErrorFunction::constant(0.0003),
+                                                                         ErrorFunction::constant(-0.0003))}});
+  const std::string program = "G0 X0 Y0 Z20\nG81 X10 Y10 Z-5 R5 F9\nG80\nM2\n";
+  const auto followed = rewrite(machine, program, reversal_job());
+  ASSERT_TRUE(followed.report.complete) << followed.findings();
+  EXPECT_NEAR(followed.report.cycle_residual, 0.6 * um, 1e-6 * um);
+  EXPECT_NEAR(rewrite(machine, program).report.cycle_residual, 0, 1e-6 * um);
+}
+
 TEST(Rewrite, ARefusedCycleIsSaidOnce) {
   const auto result =
       rewrite(offset_machine(), "G0 X0 Y0 Z5\nG81 X5 Y5 Z-3 F100\nX9\nX12\nG80\nG81 X5 R1 F100\nX9\nM2\n");

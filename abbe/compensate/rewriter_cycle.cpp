@@ -18,6 +18,7 @@ void Rewriter::cycle(std::string& out) {
     if (axis_word(k)) withheld_ &= ~(1u << k);
   }
   refresh_datum();
+  const auto last_approach = approach_;
   // X and Y come to the hole as the way there goes, the cycle's axis downwards.
   Vec3 way = in_.frames.vector_to_machine(holes.first - in_.p());
   way[holes.n] = holes.z - holes.r;
@@ -29,7 +30,10 @@ void Rewriter::cycle(std::string& out) {
   const auto residual = shift_of(holes, shift);
   const bool expands =
       residual && (cycle_.expanded || (job_.expand_drill && *residual > job_.tolerance && drills()));
-  if (expands && expand_holes(holes, out)) return;
+  if (expands) {
+    approach_ = last_approach;  // Z goes down when the tool is above the hole
+    if (expand_holes(holes, out)) return;
+  }
   const bool shifted = residual && !expands && keeps_shape(*residual);
   if (shifted) {
     note_way_out(holes, shift);

@@ -117,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(
         Hazard{"h25_unknown_radius", "kink", 3, {"4:1: error[E-CUTCOM]"}, {}},
         Hazard{"h26_stops_and_coolant", "kink", 0, {}, {}},
         Hazard{"h27_frame_of_the_block", "scale", 0, {}, {"--offset", "G55=X100,Y0,Z0"}},
-        Hazard{"h28_checksum", "offset", 3, {"4:10: error[E-EXPR]"}, {}},
+        Hazard{"h28_checksum", "offset", 3, {"4:10: error[E-CHAR]"}, {}},
         Hazard{"h30_nurbs",
                "offset",
                3,
