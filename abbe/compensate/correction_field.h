@@ -42,6 +42,8 @@ class CorrectionField {
   /// False: the linear axes cannot follow points there.
   bool set_stance(const Stance& stance);
   [[nodiscard]] const Stance& stance() const { return stance_; }
+  [[nodiscard]] const ControlKinematics& control() const { return control_; }
+  [[nodiscard]] const Tool& tool() const { return tool_; }
   [[nodiscard]] const Vec3& datum() const { return datum_; }
 
   enum class Trouble { none, failed, outside, travel };

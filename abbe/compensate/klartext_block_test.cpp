@@ -83,7 +83,7 @@ TEST(KlartextBlock, WhatMayMoveOtherwiseIsRefused) {
                                                                     {"CYCL DEF 7.1 #5", "E-FRAME"},
                                                                     {"CYCL DEF 7.1 IX+5", "E-FRAME"},
                                                                     {"CYCL DEF 10.0 DREHUNG", "E-FRAME"},
-                                                                    {"PLANE RESET STAY", "E-FRAME"},
+                                                                    {"PLANE VECTOR STAY", "E-PLANE"},
                                                                     {"CYCL DEF 4711", "E-CYCLE"},
                                                                     {"CALL LBL 1", "E-OWORD"},
                                                                     {"CALL PGM A.H", "E-OWORD"},

@@ -71,8 +71,7 @@ TEST(NamedBlock, WhatIsNotLiteralIsRefused) {
   for (const char* line : {"X=R1", "X=10+R1", "X10*2", "R1=5", "_HOME=3", "I=AC(5)", "X=IC(R1)", "X=IC(5",
                            "R90", "IF R1==5", "DEF REAL A", "GOTOF END", "X==5", "Z=_Z+5"})
     EXPECT_EQ(words_of(line), "E-EXPR") << line;
-  for (const char* line :
-       {"UNHEARD_OF", "MSG(\"open", "CYCLE800(1)", "SUPA(3)", "COMPON=3", "LIMS=S1", "FGROUP(X,Y)"})
+  for (const char* line : {"UNHEARD_OF", "MSG(\"open", "SUPA(3)", "COMPON=3", "LIMS=S1", "FGROUP(X,Y)"})
     EXPECT_EQ(words_of(line), "E-GCODE") << line;
   EXPECT_EQ(words_of("MCALL CYCLE81(1,2)"), "E-CYCLE");
   EXPECT_EQ(words_of("CALL \"SUB\""), "E-OWORD");

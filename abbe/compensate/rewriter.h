@@ -122,13 +122,36 @@ class Rewriter {
   bool tool_length();
   bool zero_group(std::string& out, bool& done);
   bool set_g92();
-  bool make_frame();
   bool choose_work_offset();
   void note_shift(const Vec3& reading, const Turns& zeros);
   [[nodiscard]] std::optional<int> tool_number(const Word& word) const;
-  bool turn_frame();
   bool set_work_offset();
   void refresh_datum();
+
+  // rewriter_frame.cpp: frames that the program makes
+  void forget(unsigned axes);
+  bool change_frame();
+  bool make_frame();
+  bool turn_frame();
+  bool stretch_frame();
+  bool scale_frame();
+  bool mirror_frame();
+  std::optional<double> scale_factor(const Word& word);
+  [[nodiscard]] bool may_place() const;
+  void place(const Mat3& matrix, const Vec3& at);
+  void leave_place();
+
+  // rewriter_plane.cpp: tilted planes
+  bool tilt_plane();
+  bool declare_plane(const Mat3& turn, const Vec3& origin);
+  bool spatial_plane();
+  bool swivel_plane();
+  bool reset_plane();
+  bool tool_to_plane(std::optional<int> side);
+  bool stand_on_plane();
+  bool stands_on_plane(const Turns& turns);
+  void end_plane();
+  bool plane_allows(const Move& move);
 
   // rewriter_motion.cpp: lines and rapids
   void motion(std::string& out);
@@ -361,6 +384,12 @@ class Rewriter {
   unsigned needed_ = 7;                ///< axes whose position the correction depends on
   unsigned shifted_ = 0;               ///< axes whose zero has moved since they were commanded, bits 0 to 5
   unsigned turned_ = 0;                ///< rotary axes that the program has commanded, bits 0 1 2 = A B C
+  /// Of a tilted plane: it is declared, then the rotary axes stand on it and points are of the tip.
+  enum class PlaneStage : std::uint8_t { none, declared, stands };
+  PlaneStage plane_ = PlaneStage::none;
+  bool turned_by_words_ = false;                ///< the program turns the rotary axes to the plane itself
+  FrameChange frame_kind_ = FrameChange::none;  ///< scale or mirror, while one is in force
+  Vec3 mirror_at_ = Vec3::Zero();
   bool tcp_ = false;
   double timed_feed_ = 0;  ///< 1/min: the block's time is stated by G93 in its output; 0: not
   AddressedAxes axes_;

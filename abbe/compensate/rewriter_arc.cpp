@@ -174,12 +174,13 @@ bool Rewriter::fit_piece(const Arc& nominal, double s0, double s1, const Vec3& s
   const int turns =
       whole ? std::max(1, static_cast<int>(std::ceil(std::abs(nominal.sweep) / kTurn - 1e-9))) : 1;
   const Word* r = instruction_.find(*block_, 'R');
+  const double stretch = out_.frames.stretch();  // what a length of the program is on the machine
   const auto holds = [&](const Centre& centre) {
     const auto arc = arc_about(modal_.plane, start, end, centre.a, centre.b, clockwise, turns);
     if (!arc || std::abs(arc->sweep - part.sweep) > kSweepSlack) return false;
     const double mismatch = std::abs(arc->r1 - arc->r0), spiral = std::abs(part.r1 - part.r0);
-    if (mismatch > spiral + profile_.arcs.tolerance / 2) return false;
-    return distance_to(*arc, targets_) <= interpolation_ + digit_room();
+    if (std::max(1.0, stretch) * mismatch > stretch * spiral + profile_.arcs.tolerance / 2) return false;
+    return stretch * distance_to(*arc, targets_) <= interpolation_ + stretch * digit_room();
   };
   piece.keeps_radius = false;
   if (r && whole) {
@@ -314,6 +315,11 @@ bool Rewriter::arc(const Move& move, std::string& out) {
   if (in_.frames.rotated() && (modal_.plane != Plane::xy || (withheld_ & 3u))) {
     refuse_block("E-ROTATION", "an arc out of the XY plane in a rotated work offset",
                  "it is not an arc of the machine's axes", "set the offset without rotation");
+    return false;
+  }
+  if (!in_.frames.stretches_evenly()) {
+    refuse_block("E-FRAME", "an arc while the axes are scaled by different factors",
+                 "it is no arc of the machine's axes", "post the arc as lines, or scale in the CAM system");
     return false;
   }
   const auto nominal = nominal_arc(in_.frames.to_program(move.m0), in_.frames.to_program(move.m1));

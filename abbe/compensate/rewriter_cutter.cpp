@@ -53,6 +53,9 @@ bool Rewriter::cutter_settings() {
   if (tcp_)
     return bad("cutter compensation with tool centre point control", "the plane of the offset turns",
                "post the tool-centre path");
+  if (in_.frames.placed())
+    return bad("cutter compensation in a tilted, scaled or mirrored frame",
+               "controls differ in what becomes of the radius and of its side", "post the tool-centre path");
   if (job_.reversal && field_.depends_on_direction())
     return bad("cutter compensation with --reversal",
                "a block that takes up lost motion would be a corner of the contour",
@@ -69,7 +72,7 @@ bool Rewriter::cutter_settings() {
 bool Rewriter::cutter_permits() {
   constexpr GCode dwell = 40;
   const Instruction& in = instruction_;
-  const bool frame = in.wcs >= 0 || in.tool_length >= 0 || in.rotation >= 0 || in.tcp >= 0 ||
+  const bool frame = in.wcs >= 0 || in.tool_length >= 0 || in.frame != FrameChange::none || in.tcp >= 0 ||
                      (in.zero >= 0 && in.zero != dwell);
   const bool other = in.plane >= 0 || in.units >= 0 || in.tool_change || in.set_tool || in.flow != 0;
   const char* what = frame                 ? "a frame, an offset or a machine position"

@@ -112,6 +112,12 @@ bool Rewriter::read_holes(Holes& holes) {
                  "it is not a motion of the machine's axes", "set the offset without rotation");
     return false;
   }
+  if (in_.frames.stretch() != 1 && plane_ == PlaneStage::none)
+    return bad("a cycle while a scale is in force", "which of its numbers are scaled is not sure",
+               "post the holes as G0 and G1, or scale in the CAM system");
+  if (code == 760 && frame_kind_ != FrameChange::none)
+    return bad("a fine bore in a mirrored frame", "to which side the tool is moved away is not sure",
+               "post the hole as G0 and G1, or mirror in the CAM system");
   cycle_.refused = false;
   const double repeats = wl ? wl->value : 1;
   if (repeats < 1 || repeats > 9999 || repeats != std::floor(repeats))

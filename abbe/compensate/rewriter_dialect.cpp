@@ -73,8 +73,9 @@ bool Rewriter::settle_numbers() {
     const bool cycle_k = word.letter == 'K' && is_cycle(instruction_.motion);
     if ((kDimensions & letter_set({&word.letter, 1})) == 0 && !time) continue;
     if (cycle_k || word.value == 0) continue;
-    const bool angle =
-        (word.letter == 'R' && instruction_.rotation == 1) || (word.letter >= 'A' && word.letter <= 'C');
+    const bool angle = (word.letter == 'R' && instruction_.frame == FrameChange::turn) ||
+                       (word.letter >= 'A' && word.letter <= 'C') ||
+                       (word.letter >= 'I' && word.letter <= 'K' && instruction_.frame == FrameChange::plane);
     if (!has_point(*block_, word) && rules.integer_words != IntegerWords::units) {
       if (rules.integer_words == IntegerWords::ask || time) {
         refuse(word, "E-DECIMAL",

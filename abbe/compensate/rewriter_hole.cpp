@@ -134,6 +134,9 @@ bool Rewriter::call_allowed(bool moves) {
   if (instruction_.zero == 280 || (moves && is_arc(instruction_.motion)))
     return bad("E-CYCLE", "a cycle is called beside an arc or M91", "where the hole is, is not sure",
                "call it beside L X.. Y.. FMAX");
+  if (in_.frames.placed())
+    return bad("E-CYCLE", "a cycle is called in a tilted plane",
+               "its surface is one height for all holes, which need their own", "post the holes as L blocks");
   if (tcp_ || instruction_.tcp == 1)
     return bad("E-TCP", "a cycle is called while tool centre point control is on",
                "along which axis the control drills then is not sure", "switch it off before (M129)");

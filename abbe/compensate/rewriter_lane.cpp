@@ -38,7 +38,8 @@ bool Rewriter::lane_is_open(std::uint64_t number, std::size_t rows) const {
   const bool simple_text = profile_.numbers.integer_words == Profile::IntegerWords::units &&
                            profile_.numbers.finer && !profile_.text.conversational && !profile_.text.names;
   const bool simple_modes = modal_.motion == 10 && modal_.stated && !modal_.incremental &&
-                            modal_.feed_mode == 940 && !offset_doubtful_ && cycle_.code == -1 && !tcp_ && !cutter_.acts();
+                            modal_.feed_mode == 940 && !offset_doubtful_ && cycle_.code == -1 && !tcp_ &&
+                            !cutter_.acts();
   const bool stands = known_ == needed_ && withheld_ == 0 && shifted_ == 0 && start_corrected_ &&
                       !datum_dirty_ && in_.frames.known() && !in_.frames.rotated();
   const bool in_program = any_block_ && header_written_ && !ended_ && depth_ == 0 && !held_pole_ &&

@@ -85,7 +85,7 @@ bool Rewriter::read_move(Move& move) {
   // A rotated frame mixes X and Y: one is known only with the other.
   if (frames.rotated() && (move.known1 & 3u) != 3u) move.known1 &= ~3u;
   // Axes that are not named stay exactly where they are.
-  const unsigned moved = frames.rotated() ? move.named | 3u : move.named;
+  const unsigned moved = frames.tilted() ? 7u : frames.rotated() ? move.named | 3u : move.named;
   move.m1 = moved == 7 ? m1
                        : Vec3((moved & 1u) ? m1.x() : in_.m.x(), (moved & 2u) ? m1.y() : in_.m.y(),
                               (moved & 4u) ? m1.z() : in_.m.z());
@@ -115,7 +115,7 @@ bool Rewriter::check_travel(const Move& move) {
 void Rewriter::motion(std::string& out) {
   if (is_cycle(instruction_.motion)) return cycle(out);
   Move move;
-  if (!read_move(move)) return;
+  if (!stand_on_plane() || !read_move(move) || !plane_allows(move)) return;
   refresh_datum();
   const bool machine_frame = instruction_.zero == 530;
   if (!machine_frame) keep_turns(move);
@@ -181,7 +181,8 @@ void Rewriter::uncorrected(const Move& move, std::string& out) {
   }
   const Vec3 m = out_.frames.to_machine(p);
   for (int k = 0; k < 3; ++k) {
-    if ((move.named & (1u << k)) || (out_.frames.rotated() && k < 2)) out_.m[k] = m[k];
+    if ((move.named & (1u << k)) || (out_.frames.rotated() && k < 2) || out_.frames.tilted())
+      out_.m[k] = m[k];
   }
   for (std::size_t k = 0; k < 3; ++k) {
     if (move.named & (8u << k))

@@ -54,11 +54,14 @@ bool Rewriter::change_tool(std::optional<int> number) {
 
 bool Rewriter::settings() {
   const GCode zero = instruction_.zero;
-  const bool ends_turn = zero == 521 || zero == 681;
-  if (in_.frames.turned() &&
+  const bool ends_turn = (zero == 521 || zero == 681 || zero == 683 || zero == 685) &&
+                         plane_ == PlaneStage::none;  // they replace other frames, no plane
+  if ((in_.frames.turned() || in_.frames.placed()) &&
       ((zero >= 0 && zero != 40 && !ends_turn) || instruction_.wcs >= 0 || modal_.plane != Plane::xy)) {
-    refuse_block("E-ROTATION", "a frame, plane or reference position is chosen while a rotation is in force",
-                 "controls refuse it, or differ in what it means", "end the rotation before (G69)");
+    refuse_block("E-ROTATION",
+                 "a frame, plane or reference position is chosen while a rotation, scale, mirror or tilted "
+                 "plane is in force",
+                 "controls refuse it, or differ in what it means", "end it before (G69, G50, G50.1)");
     return false;
   }
   if (const Word* t = instruction_.find(*block_, 'T')) {
@@ -106,6 +109,11 @@ bool Rewriter::settings() {
                  "this control does so when the motion is done", "write the code into a block of its own");
     return false;
   }
+  if (instruction_.tcp >= 0 && in_.frames.placed()) {
+    refuse_block("E-TCP", "tool centre point control is switched in a tilted, scaled or mirrored frame",
+                 "what its points then are is not followed", "end the frame before (G69, G50, G50.1)");
+    return false;
+  }
   if (instruction_.tcp >= 0) switch_tcp(instruction_.tcp == 1);
   if (instruction_.wcs >= 0 && !choose_work_offset()) return false;
   if (profile_.tools.follows_plane && modal_.plane != Plane::xy && in_.frames.tool_offset() != Vec3::Zero()) {
@@ -114,7 +122,7 @@ bool Rewriter::settings() {
                  "write D0 before, or post in G17");
     return false;
   }
-  if (instruction_.rotation >= 0 && !turn_frame()) return false;
+  if (instruction_.frame != FrameChange::none && !change_frame()) return false;
   if (const Word* d = instruction_.find(*block_, 'D');
       d && profile_.tools.edges != Profile::Tools::Edges::none)
     edge_ = whole(d).value_or(-1);
@@ -156,59 +164,6 @@ void Rewriter::note_shift(const Vec3& reading, const Turns& zeros) {
   }
 }
 
-// TRANS and ROT replace what stands (alone they end it), ATRANS and AROT come on top: first the turn, then
-// the shift.
-bool Rewriter::make_frame() {
-  const GCode zero = instruction_.zero;
-  const bool turns = zero >= 681, anew = zero == 521 || zero == 681;
-  const Word* angle = instruction_.find(*block_, 'R');
-  if (angle != nullptr && (modal_.plane != Plane::xy || in_.frames.rotated() != in_.frames.turned())) {
-    refuse_block("E-ROTATION", "a rotation out of G17 or in a rotated work offset",
-                 "about which axis the rest turns is not followed",
-                 "write G17; set the offset without rotation");
-    return false;
-  }
-  const Vec3 reading = in_.p();
-  for (auto* side : {&in_, &out_}) {
-    Vec3 shift = anew ? Vec3::Zero() : side->frames.g92();
-    for (int k = 0; k < 3; ++k) {
-      if (const Word* word = turns ? nullptr : axis_word(k)) shift[k] += word->value * modal_.unit();
-    }
-    side->frames.set_g92(shift);
-  }
-  if (turns || in_.frames.turned()) {
-    for (auto* side : {&in_, &out_})
-      side->frames.turn(Vec3::Zero(), angle != nullptr ? angle->value * deg : 0.0);
-    known_ &= ~3u;
-    withheld_ &= ~3u;
-    start_corrected_ = false;
-  }
-  note_shift(reading, in_.frames.turn_offset());
-  last_correction_.reset();
-  return true;
-}
-
-// G68 X.. Y.. R..: what X and Y mean changes. They are known again when the program commands both.
-bool Rewriter::turn_frame() {
-  const Word* x = axis_word(0);
-  const Word* y = axis_word(1);
-  const Word* r = instruction_.find(*block_, 'R');
-  const bool on = instruction_.rotation == 1;
-  if (on && (!x || !y || !r || modal_.plane != Plane::xy || modal_.incremental || in_.frames.rotated())) {
-    refuse_block("E-ROTATION", "a rotation is followed with X, Y and R, in G17 and G90, one at a time",
-                 "about which point the rest turns is not sure otherwise",
-                 "write G69, then G17 G90 G68 X.. Y.. R..");
-    return false;
-  }
-  const Vec3 centre = on ? Vec3(x->value * modal_.unit(), y->value * modal_.unit(), 0) : Vec3::Zero();
-  for (auto* side : {&in_, &out_}) side->frames.turn(centre, on ? r->value * deg : 0.0);
-  known_ &= ~3u;
-  withheld_ &= ~3u;
-  last_correction_.reset();
-  start_corrected_ = false;
-  return true;
-}
-
 bool Rewriter::tool_length() {
   Vec3 tlo = in_.frames.tool_offset();
   const bool by_edge = profile_.tools.edges == Profile::Tools::Edges::table;
@@ -244,13 +199,20 @@ bool Rewriter::tool_length() {
     if (profile_.tools.z_only) tlo.head<2>().setZero();
     if (instruction_.tool_length == 440) tlo = -tlo;
   }
-  // With TCP the control reckons with the new length from where the axes stand.
-  const bool tcp = tcp_;
-  switch_tcp(false);
+  // With TCP the control reckons with the new length from where the axes stand. On a plane it acts along the
+  // plane's Z: the coordinates stay.
+  const bool tcp = tcp_, keeps = plane_ != PlaneStage::none;
+  const Vec3 p_in = in_.p(), p_out = out_.p();
+  if (!keeps) switch_tcp(false);
   in_.frames.set_tool_offset(tlo);
   out_.frames.set_tool_offset(tlo);
   field_.set_control_length(tlo.z());
-  switch_tcp(tcp);
+  if (keeps) {
+    in_.m = in_.frames.to_machine(p_in);
+    out_.m = out_.frames.to_machine(p_out);
+  } else {
+    switch_tcp(tcp);
+  }
   datum_dirty_ = true;
   return true;
 }
@@ -307,6 +269,10 @@ bool Rewriter::zero_group(std::string& out, bool& done) {
     case 681:
     case 682:
       return make_frame();
+    case 683:
+    case 684:
+    case 685:
+      return stretch_frame();
     case 920:
       return set_g92();
     case 921:

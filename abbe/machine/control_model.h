@@ -30,6 +30,13 @@ struct ControlAxis {
   std::optional<double> resolution;   ///< least increment, mm or rad
 };
 
+/// Which of the two ways in which rotary axes can stand on a tilted plane a control takes: the one with this
+/// axis on this side of zero.
+struct TiltSolution {
+  int axis = 0;  ///< 0 1 2 = A B C
+  int sign = 1;
+};
+
 /// [control]: the control's own model of the machine. It turns programmed points into axis commands with
 /// its numbers, which need not be those of the machine as built.
 struct ControlModel {
@@ -37,6 +44,7 @@ struct ControlModel {
   bool tcp = false;                   ///< tool centre point control is on when a program starts
   std::vector<TcpCode> codes;         ///< that switch it
   std::vector<std::string> corrects;  ///< errors the control corrects itself, as they are named in [errors]
+  std::optional<TiltSolution> tilt;   ///< none: programs of tilted planes say where the rotary axes stand
   std::vector<ControlAxis> axes;      ///< one per moving axis
 };
 

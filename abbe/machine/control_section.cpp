@@ -16,6 +16,7 @@ namespace abbe {
 namespace {
 
 const std::vector<std::string> kModes{"axis", "tcp"};
+const std::vector<std::string> kTiltSolutions{"A+", "A-", "B+", "B-", "C+", "C-"};
 const std::vector<std::string> kTurnings{"linear", "shortest", "sign"};
 
 /// "G43.4" or "M428": a letter and a number with one decimal at most.
@@ -96,6 +97,24 @@ void read_control_axes(const TomlNode& node, const std::vector<Body>& bodies, co
   }
 }
 
+/// "A-".
+std::optional<TiltSolution> read_tilt_solution(const TomlNode& node, const std::vector<Body>& bodies,
+                                               Findings& findings) {
+  const auto choice = read_choice(node, kTiltSolutions, "control.tilt_solution", findings);
+  if (!choice) return std::nullopt;
+  const std::string& said = kTiltSolutions[*choice];
+  const bool turns = std::any_of(bodies.begin(), bodies.end(), [&](const Body& body) {
+    return body.type == AxisType::rotary && body.address == said.substr(0, 1);
+  });
+  if (!turns) {
+    findings.error("E-CONTROL", node.mark, fmt::format("no rotary axis has the address {}", said[0]),
+                   "the control chooses how its axes stand by the side of zero of one of them",
+                   "name a rotary axis of this chain");
+    return std::nullopt;
+  }
+  return TiltSolution{said[0] - 'A', said[1] == '-' ? -1 : 1};
+}
+
 }  // namespace
 
 ControlModel read_control(const TomlNode& root, const std::vector<Body>& bodies, const FileUnits& units,
@@ -105,7 +124,7 @@ ControlModel read_control(const TomlNode& root, const std::vector<Body>& bodies,
       std::count_if(bodies.begin(), bodies.end(), [](const Body& body) { return body.axis >= 0; })));
   const TomlNode* table = find_table(root, "control", findings);
   if (table == nullptr) return control;
-  refuse_other_keys(*table, {"mode", "codes", "corrects", "axis"}, "[control]", findings);
+  refuse_other_keys(*table, {"mode", "codes", "corrects", "tilt_solution", "axis"}, "[control]", findings);
   if (const auto* entry = table->find("mode")) {
     const auto mode = read_choice(entry->value, kModes, "control.mode", findings);
     control.declared = mode.has_value();
@@ -120,6 +139,8 @@ ControlModel read_control(const TomlNode& root, const std::vector<Body>& bodies,
       }
     }
   }
+  if (const auto* entry = table->find("tilt_solution"))
+    control.tilt = read_tilt_solution(entry->value, bodies, findings);
   if (const auto* entry = table->find("axis"))
     read_control_axes(entry->value, bodies, units, control, findings);
   return control;

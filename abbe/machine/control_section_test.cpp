@@ -29,6 +29,7 @@ TEST(ControlSection, IsRead) {
 mode = "tcp"
 codes = { M428 = "tcp", "G43.4" = "tcp", G49 = "axis" }
 corrects = ["EXX", "C0Y"]
+tilt_solution = "C-"
 [control.axis.C]
 origin = [1, 2, 3]
 turning = "sign"
@@ -38,6 +39,9 @@ resolution = 0.001
   const ControlModel& control = parsed.value->control;
   EXPECT_TRUE(control.declared && control.tcp);
   ASSERT_EQ(control.codes.size(), 3u);
+  ASSERT_TRUE(control.tilt);
+  EXPECT_EQ(control.tilt->axis, 2);
+  EXPECT_EQ(control.tilt->sign, -1);
   const auto c = static_cast<std::size_t>(parsed.value->find_axis("C"));
   EXPECT_EQ(*control.axes[c].origin, Vec3(1, 2, 3));
   EXPECT_EQ(control.axes[c].turning, Turning::sign);
@@ -97,6 +101,9 @@ INSTANTIATE_TEST_SUITE_P(
                       Mistake{"Axis", "[control.axis.A]\nturning = \"sign\"\n", "E-CONTROL", "7:15"},
                       Mistake{"LinearTurns", "[control.axis.X]\nturning = \"sign\"\n", "E-CONTROL", "8:1"},
                       Mistake{"Resolution", "[control.axis.X]\nresolution = 0\n", "E-CONTROL", "8:14"},
+                      Mistake{"TiltSolution", "[control]\ntilt_solution = \"C\"\n", "E-VALUE", "8:17"},
+                      Mistake{"TiltSolutionOfAnAxisThatIsNotThere", "[control]\ntilt_solution = \"A+\"\n",
+                              "E-CONTROL", "8:17"},
                       Mistake{"Key", "[control]\nmodus = \"tcp\"\n", "E-UNKNOWN-KEY", "8:1"},
                       Mistake{"CorrectsNothing", "[control]\ncorrects = [\"EYY\"]\n", "W-CONTROL", "8:13"}),
     [](const auto& test) { return std::string(test.param.name); });

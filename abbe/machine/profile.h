@@ -89,6 +89,20 @@ enum class Meaning : std::uint8_t {
   frame_shift_further,
   frame_turn,
   frame_turn_further,
+  frame_scale,
+  frame_scale_further,
+  frame_mirror,
+  // frames of a group of their own: G51 and G50, G51.1 and G50.1, G68.2 and G53.1
+  scale,
+  scale_off,
+  mirror,
+  mirror_off,
+  tilted_plane,
+  tool_to_plane,
+  // PLANE SPATIAL, PLANE RESET; CYCLE800(..)
+  spatial_plane,
+  plane_off,
+  swivel_plane,
   tcp_on,
   tcp_off,
   // M codes
@@ -163,7 +177,10 @@ struct Profile {
     int decimals_mm = 4, decimals_inch = 5, decimals_degree = 4,
         decimals_feed = 4;  ///< digits after the point that are written
     int digits = 0;         ///< most digits of a number, 0 = any
-    bool finer = true;      ///< words with more decimals are read as they stand; else refused (E-DIGITS)
+    /// What a scale factor without a point counts: a thousandth, a hundred-thousandth; `ask` refuses it.
+    enum class Scale : std::uint8_t { thousandths, hundred_thousandths, ask };
+    Scale scale_words = Scale::ask;
+    bool finer = true;  ///< words with more decimals are read as they stand; else refused (E-DIGITS)
   } numbers;
 
   enum class Skip : std::uint8_t {

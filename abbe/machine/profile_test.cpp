@@ -65,6 +65,7 @@ TEST(Profiles, AUsersFileAddsCodesWithoutCompiling) {
 extends = "fanuc"
 [numbers]
 integer_words = "increments"
+scale_words = "thousandths"
 decimals = { mm = 4 }
 [codes]
 M251 = "auxiliary"
@@ -80,6 +81,7 @@ fix = "leave it out"
   EXPECT_EQ(parsed.value->title, "Fanuc");
   EXPECT_EQ(parsed.value->numbers.integer_words, Profile::IntegerWords::increments);
   EXPECT_EQ(parsed.value->numbers.decimals_mm, 4);
+  EXPECT_EQ(parsed.value->numbers.scale_words, Profile::Numbers::Scale::thousandths);
   EXPECT_EQ(parsed.value->numbers.decimals_inch, 4) << "of fanuc";
   EXPECT_EQ(use_of(*parsed.value, "M251").meaning, Meaning::auxiliary);
   EXPECT_EQ(use_of(*parsed.value, "G5.1").meaning, Meaning::unknown);

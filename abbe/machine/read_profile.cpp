@@ -20,10 +20,12 @@ const std::vector<std::string> kTables{"format",  "title", "about",  "sources", 
                                        "motion",  "codes", "order",  "refused", "addresses"};
 
 void read_numbers(const TomlNode& root, Profile& profile, Findings& findings) {
-  const Section section(root, "numbers", {"integer_words", "decimals", "digits", "finer_words"}, findings);
+  const Section section(root, "numbers",
+                        {"integer_words", "decimals", "digits", "finer_words", "scale_words"}, findings);
   Profile::Numbers& numbers = profile.numbers;
   section.choice("integer_words", {"units", "increments", "ask"}, numbers.integer_words);
   section.choice("finer_words", "keep", "refuse", numbers.finer);
+  section.choice("scale_words", {"thousandths", "hundred-thousandths", "ask"}, numbers.scale_words);
   section.whole("digits", numbers.digits, 0, 15);
   const TomlNode* decimals = section.find("decimals");
   if (decimals == nullptr || !expect_kind(*decimals, TomlNode::Kind::table, "numbers.decimals", findings))

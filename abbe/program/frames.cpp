@@ -1,6 +1,13 @@
 #include "abbe/program/frames.h"
 
+#include <Eigen/LU>
+
 namespace abbe {
+namespace {
+
+constexpr double kEven = 1e-12;  // factors that differ by less are one: rounding of their product
+
+}  // namespace
 
 Frames::Frames(const ControlSetup& setup) : work_(setup.work_offsets.begin(), setup.work_offsets.end()) {
   work_.resize(work_.size() + static_cast<std::size_t>(profile_of(setup)->offsets.further));
@@ -19,6 +26,26 @@ void Frames::set_g92(const Vec3& offset) {
 void Frames::turn(const Vec3& centre, double angle) {
   centre_ = centre;
   angle_ = angle;
+  refresh();
+}
+
+void Frames::place(const Mat3& matrix, const Vec3& at) {
+  placed_ = true;
+  matrix_ = matrix;
+  back_ = matrix.inverse();
+  tilted_ = !matrix.isDiagonal(0);
+  stretch_ = matrix.colwise().norm().maxCoeff();
+  even_ = (matrix.transpose() * matrix - stretch_ * stretch_ * Mat3::Identity()).cwiseAbs().maxCoeff() <
+          kEven * stretch_ * stretch_;
+  at_ = at;
+  refresh();
+}
+
+void Frames::place_nothing() {
+  placed_ = tilted_ = false;
+  even_ = true;
+  stretch_ = 1;
+  matrix_ = back_ = Mat3::Identity();
   refresh();
 }
 
@@ -44,6 +71,11 @@ void Frames::refresh() {
   cos_ = std::cos(rotation);
   origin_ = tlo_;
   if (work) origin_ += Vec3(work->origin[0], work->origin[1], work->origin[2]);
+  if (placed_) {
+    // m = (M p + o) + g92 + g5x + tlo
+    outer_ = at_ + g92_ + origin_;
+    return;
+  }
   // m = Rz(a) (p - k) + (k + g92 + g5x + tlo), or (1)
   inner_ = angle_ != 0 ? Vec3(-centre_) : g92_;
   outer_ = angle_ != 0 ? Vec3(centre_ + g92_ + origin_) : origin_;

@@ -73,6 +73,7 @@ class KlartextLine {
     if (first == "C" || first == "CR") return read_arc(begin, first == "C");
     if (first == "CC") return read_pole();
     if (first == "TOOL") return read_tool(begin);
+    if (first == "PLANE") return read_plane(begin);
     if (first == "CYCL" || first == "CYCLE") return read_cycle(begin);
     if (first == "BEGIN" || first == "END") return read_frame_of_program(begin, first == "BEGIN");
     if (first == "BLK" || first == "LBL") return copied();
@@ -384,10 +385,8 @@ class KlartextLine {
     return std::nullopt;
   }
   std::optional<BlockError> read_oversize(std::size_t begin) {
-    const int count = block_.count;
-    if (auto error = read_value('R', begin)) return error;
-    block_.count = count;
-    if (block_.words[static_cast<std::size_t>(count)].value == 0) return std::nullopt;
+    if (auto error = read_and_drop(begin)) return error;
+    if (block_.words[static_cast<std::size_t>(block_.count)].value == 0) return std::nullopt;
     return wrong("E-TOOL", begin, "a tool with an allowance (DL, DR)",
                  "its length is not that of the tool table", "put the length into the tool table");
   }
@@ -410,6 +409,59 @@ class KlartextLine {
                    "write the block as the control does");
     if (!starts) return add('M', begin, begin, end_, 2);
     return add('G', begin, begin, end_, unit == "MM" ? kMm : kInch);
+  }
+
+  // "PLANE SPATIAL SPA+0 SPB+30 SPC+90 STAY", "PLANE RESET TURN FMAX".
+  std::optional<BlockError> read_plane(std::size_t begin) {
+    skip_blanks();
+    const std::size_t kind_begin = at_;
+    const std::string_view kind = name();
+    const Profile::Keyword* keyword = find_keyword(profile_, kind);
+    const Meaning meaning = keyword != nullptr ? profile_.g[keyword->index].meaning : Meaning::unknown;
+    if (meaning != Meaning::spatial_plane && meaning != Meaning::plane_off)
+      return wrong("E-PLANE", kind_begin, fmt::format("PLANE {} is not known", kind),
+                   "where the plane lies, and how the tool gets there, is not followed",
+                   "post PLANE SPATIAL SPA SPB SPC STAY and PLANE RESET STAY");
+    if (auto error = add_code(*keyword, begin, at_)) return error;
+    unsigned angles = 0;
+    bool said = false, turns_table = false, turns = false;
+    for (skip_blanks(); at_ < end_; skip_blanks()) {
+      const std::size_t word_begin = at_;
+      const std::string_view word = name();
+      std::optional<BlockError> error;
+      if (word == "STAY" || word == "TURN" || word == "MOVE") {
+        said = true;
+        turns = word != "STAY";
+        error = add('P', word_begin, word_begin, at_, turns ? 1 : 0);
+      } else if (word.size() == 3 && word.substr(0, 2) == "SP" && word[2] <= 'C') {
+        angles |= 1U << (word[2] - 'A');
+        error = read_value(static_cast<char>('I' + (word[2] - 'A')), word_begin);
+      } else if (word == "SEQ" && at_ < end_ && (text_[at_] == '+' || text_[at_] == '-')) {
+        const int side = text_[at_++] == '-' ? -1 : 1;
+        error = add('Q', word_begin, word_begin, at_, side);
+      } else if (word == "COORD" || word == "TABLE") {
+        skip_blanks();
+        turns_table = turns_table || word == "TABLE";
+        if (name() != "ROT") error = strange(word_begin, word.size());
+      } else if (word == "F" || word == "DIST") {
+        error = read_and_drop(word_begin);  // how it gets there
+      } else if (word != "FMAX") {
+        error = strange(word_begin, word.size());
+      }
+      if (error) return error;
+    }
+    constexpr unsigned kAllAngles = 7;
+    const unsigned needed = meaning == Meaning::spatial_plane ? kAllAngles : 0;
+    if (angles == needed && said && !(turns && turns_table)) return std::nullopt;
+    return wrong(
+        "E-PLANE", begin, "a plane without all of its angles, without STAY, TURN or MOVE, or TABLE ROT",
+        "where the rotary axes go is not known", "write SPA.. SPB.. SPC.. STAY, or TURN without TABLE ROT");
+  }
+  std::optional<BlockError> read_and_drop(std::size_t begin) {
+    const int count = block_.count;
+    auto error = read_value('R', begin);
+    block_.count = count;
+    return error;
   }
 
   // "CYCL DEF 7.1 X+5", "CYCL DEF 247 DATUM SETTING ~".

@@ -89,8 +89,20 @@ constexpr Role kRoles[] = {
     {Meaning::path_control, path, 610},
     {Meaning::spindle_mode, spindle, 970},
     {Meaning::radius_mode, lathe, 80},
-    {Meaning::rotate, rotation, 1},
-    {Meaning::rotate_off, rotation, 0},
+    {Meaning::rotate, rotation, static_cast<GCode>(FrameChange::turn)},
+    {Meaning::rotate_off, rotation, static_cast<GCode>(FrameChange::end_turn)},
+    {Meaning::scale, rotation, static_cast<GCode>(FrameChange::scale)},
+    {Meaning::scale_off, rotation, static_cast<GCode>(FrameChange::end_scale)},
+    {Meaning::mirror, rotation, static_cast<GCode>(FrameChange::mirror)},
+    {Meaning::mirror_off, rotation, static_cast<GCode>(FrameChange::end_mirror)},
+    {Meaning::tilted_plane, rotation, static_cast<GCode>(FrameChange::plane)},
+    {Meaning::tool_to_plane, rotation, static_cast<GCode>(FrameChange::tool_to_plane)},
+    {Meaning::spatial_plane, rotation, static_cast<GCode>(FrameChange::spatial_plane)},
+    {Meaning::plane_off, rotation, static_cast<GCode>(FrameChange::end_plane)},
+    {Meaning::swivel_plane, rotation, static_cast<GCode>(FrameChange::swivel_plane)},
+    {Meaning::frame_scale, zero, 683},
+    {Meaning::frame_scale_further, zero, 684},
+    {Meaning::frame_mirror, zero, 685},
     {Meaning::transformation_off, loose, 0},
     {Meaning::smoothing, loose, 1},
     {Meaning::copy, loose, 0},
@@ -262,7 +274,7 @@ void Reading::put_in_force(const Role& role, const CodeUse& use) {
       out.wcs = use.meaning == Meaning::work_offset ? use.number - 1 : kNumbered;
       break;
     case rotation:
-      out.rotation = role.code;
+      out.frame = static_cast<FrameChange>(role.code);
       break;
     case path:
       out.path_control = true;
@@ -299,12 +311,18 @@ bool Reading::note_m(const Word& word) {
 
 bool axis_words_taken(GCode zero_code) {
   return zero_code == 100 || zero_code == 280 || zero_code == 300 || (zero_code >= 520 && zero_code <= 522) ||
-         zero_code == 920;
+         (zero_code >= 683 && zero_code <= 685) || zero_code == 920;
 }
 
-/// TRANS, ATRANS, ROT, AROT.
+/// The axis words of the block are of the frame.
+bool takes_words(FrameChange frame) {
+  return frame == FrameChange::turn || frame == FrameChange::scale || frame == FrameChange::mirror ||
+         frame == FrameChange::end_mirror || frame == FrameChange::plane;
+}
+
+/// TRANS, ATRANS, ROT, AROT, SCALE, ASCALE, MIRROR.
 bool makes_frame(GCode zero_code) {
-  return zero_code == 521 || zero_code == 522 || zero_code == 681 || zero_code == 682;
+  return zero_code == 521 || zero_code == 522 || (zero_code >= 681 && zero_code <= 685);
 }
 
 const char* letter_code(char letter) {
@@ -458,7 +476,7 @@ bool read_instruction(const Profile& profile, const Block& block, const ModalSta
   out.moves_axes = out.turns_axes || (present & kAxisBits) != 0;
   const bool beside_motion = profile.home_beside_motion && (out.zero == 280 || out.zero == 300);
   const bool taken =
-      axis_words_taken(out.zero) || out.tool_length == 431 || reading.dwell_x || out.rotation == 1;
+      axis_words_taken(out.zero) || out.tool_length == 431 || reading.dwell_x || takes_words(out.frame);
   const auto whole_block = [&](const char* code, std::string message, const char* why, const char* fix) {
     findings.add(Severity::error, code, line, block.text, block.count > 0 ? block.words[0].begin : 0,
                  block.text.size(), std::move(message), why, fix);
@@ -472,14 +490,16 @@ bool read_instruction(const Profile& profile, const Block& block, const ModalSta
     return whole_block("E-BLOCK", "two codes of this block use the axis words",
                        "which of them they belong to is not defined", "split the block");
   }
-  if (out.rotation >= 0 &&
-      (out.states_motion || out.zero >= 0 || out.wcs >= 0 || (out.rotation == 0 && out.moves_axes))) {
-    return whole_block("E-BLOCK", "a rotation together with other codes or words",
-                       "in which order the control takes them is not sure",
-                       "give the rotation a block of its own");
+  const bool beside_frame = out.states_motion || out.zero >= 0 || out.wcs >= 0 || out.turns_axes ||
+                            (out.moves_axes && !takes_words(out.frame));
+  const bool switches_tools = out.frame >= FrameChange::scale &&
+                              (out.tool_length >= 0 || out.tcp >= 0 || out.tool_change || out.set_tool);
+  if (out.frame != FrameChange::none && (beside_frame || switches_tools)) {
+    return whole_block("E-BLOCK", "a rotation, scale, mirror or plane together with other codes or words",
+                       "in which order the control takes them is not sure", "give it a block of its own");
   }
   const bool alone = !out.states_motion && out.wcs < 0 && out.tool_length < 0 && out.tcp < 0;
-  if (makes_frame(out.zero) && (!alone || (out.zero >= 681 && out.moves_axes))) {
+  if (makes_frame(out.zero) && (!alone || ((out.zero == 681 || out.zero == 682) && out.moves_axes))) {
     return whole_block("E-BLOCK", "a frame together with other codes or words",
                        "in which order the control takes them is not sure",
                        "give the frame a block of its own");

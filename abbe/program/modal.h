@@ -57,6 +57,24 @@ struct ModalState {
 /// What holds before the first block.
 [[nodiscard]] ModalState start_of(const Profile& profile);
 
+/// How a block changes the frame that the program is written in (G68 G69, G51 G50, G51.1 G50.1, G68.2 G53.1
+/// and their like).
+enum class FrameChange : std::int8_t {
+  none,
+  end_turn,  ///< and a tilted plane
+  turn,
+  scale,
+  end_scale,
+  mirror,
+  end_mirror,
+  plane,          ///< by Euler angles
+  tool_to_plane,  ///< the control turns the rotary axes
+  spatial_plane,  ///< by angles I J K about the fixed axes; P1: the control turns the rotary axes, Q: to
+                  ///< which side
+  end_plane,      ///< P1: and turns them back
+  swivel_plane,   ///< by the numbers in the brackets of the code
+};
+
 /// What the words of one block ask for, checked against the list of known codes and against each other.
 struct Instruction {
   GCode motion = -1;  ///< motion code in force for this block, -1: the block does not move by a motion code
@@ -72,7 +90,7 @@ struct Instruction {
         retract = -1;
   GCode cutter = -1;        ///< G40, G41 G42, 411 421: D is the diameter
   bool dwell_by_f = false;  ///< F is the time of a dwell, no feed
-  int rotation = -1;        ///< 1: a programmed rotation begins (G68), 0: it ends
+  FrameChange frame = FrameChange::none;
   LetterSet motion_words = 0;
   bool path_control = false;  ///< G61, G64
   bool smooths = false;       ///< a smoothing that is not modelled is switched

@@ -192,6 +192,8 @@ Letters words_without_point(std::string_view line, const Block& block) {
 
 /// Every control reads lines up to here.
 constexpr std::size_t kEverywhere = 60;
+/// A scale, whose factor is another one without a point.
+constexpr int kScale = 510;
 
 /// What not every control allows of a line that was split into words.
 bool read_rules(std::string_view line, const Profile& profile, Block& block, Fault& fault) {
@@ -201,7 +203,7 @@ bool read_rules(std::string_view line, const Profile& profile, Block& block, Fau
         fault, profile.text.block_bytes + 1, 1, "E-LINELEN",
         fmt::format("the line has {} bytes, the control reads {}", line.size(), profile.text.block_bytes),
         "the control stops at longer lines", "shorten the line");
-  if (profile.numbers.integer_words != Profile::IntegerWords::units)
+  if (profile.numbers.integer_words != Profile::IntegerWords::units || block.g_code(11) == kScale)
     block.pointless = words_without_point(line, block);
   return true;
 }
@@ -233,8 +235,9 @@ bool read_block(std::string_view line, const Profile& profile, Block& block, Fau
   const char* const behind = plain_words(begin, begin, begin + line.size(), block);
   const auto plain = static_cast<std::size_t>(behind - begin);
   if (plain != line.size() && !Scanner(line, plain, profile, block, fault, tcp_codes).scan()) return false;
-  const bool usual =
-      line.size() <= kEverywhere && profile.numbers.integer_words == Profile::IntegerWords::units;
+  const bool usual = line.size() <= kEverywhere &&
+                     profile.numbers.integer_words == Profile::IntegerWords::units &&
+                     block.g_code(11) != kScale;
   return usual || read_rules(line, profile, block, fault);
 }
 

@@ -80,6 +80,7 @@ struct Block {
   char tcp_letter = 'G';
   bool tcp = false;              ///< on or off
   bool deletable = false;        ///< starts with '/'
+  std::string_view frame_text;   ///< of a code of group 11 that is a word, with its brackets
   std::string_view tool_name;    ///< T="..", without quotes; the T word is then 0
   std::uint32_t increments = 0;  ///< axes whose word is a distance by itself (IX), bits 0 1 2 = X Y Z
   std::uint32_t places = 0;      ///< axes whose word is a place in G91, too (X=AC(5))

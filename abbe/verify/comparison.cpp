@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -202,8 +203,22 @@ void Comparison::compare_frames() {
     check(work_offset_label(static_cast<int>(k)), a.systems[k].origin, b.systems[k].origin);
   }
   if (a.turn != b.turn || a.pivot != b.pivot) disagree("V-FRAME", "the rotation made by the program differs");
+  if (a.placement.kind != b.placement.kind || a.placement.axes != b.placement.axes)
+    disagree("V-FRAME", "the tilted plane, scale or mirror differs");
+  check("the origin of the frame", a.placement.origin, b.placement.origin);
   check("G92", a.g92, b.g92);
   check("the tool offset", a.tool_offset, b.tool_offset);
+}
+
+/// On a tilted plane the rotary axes are the control's: what the errors leave of the tool's direction stays.
+void Comparison::note_direction(const Motion& original) {
+  const bool on_plane = original_.frames().placement.kind == Placement::Kind::plane && original_.tcp();
+  if (!on_plane || !original.feeds()) return;
+  const Vec3 meant = model_.nominal_pose(original.end.at).tool_axis;
+  const Vec3 is = model_.actual_pose(original.end.at, nullptr).tool_axis;
+  const double angle = std::atan2(meant.cross(is).norm(), meant.dot(is));
+  report_.direction_before = std::max(report_.direction_before, angle);
+  report_.direction_after = std::max(report_.direction_after, angle);
 }
 
 void Comparison::compare_motion() {
@@ -213,6 +228,7 @@ void Comparison::compare_motion() {
   tcp_ = expected.tcp;
   const bool turns = model_.rotary().any();
   if (stop_ || (turns && !stand(expected.turns_end, output_turns_))) return;
+  if (turns) note_direction(expected);
   if (timed_ && !(expected.kind == MotionKind::line && expected.turns() && expected.feed_mode == 940))
     return disagree_and_stop("V-FEED", "G93 in the output for a motion that needs no time of its own");
   using Phase = CutterUse::Phase;
@@ -363,8 +379,14 @@ bool Comparison::stand(const Turns& original, const Turns& output) {
   return false;
 }
 
-/// sqrt(3) half digits: each coordinate is rounded by at most half a digit.
-double Comparison::quantum() const { return std::sqrt(3.0) * half_digit(); }
+/// sqrt(3) half digits: each coordinate is rounded by at most half a digit. A scale makes them larger.
+double Comparison::quantum() const {
+  const Placement& placement = output_.frames().placement;
+  double longest = 1;
+  if (placement.kind == Placement::Kind::scale)
+    for (const Vec3& axis : placement.axes) longest = std::max(longest, axis.norm());
+  return std::sqrt(3.0) * half_digit() * longest;
+}
 
 double Comparison::half_digit() const { return output_.inch() ? half_digit_inch_ : half_digit_mm_; }
 

@@ -36,6 +36,7 @@ class Comparison {
   // comparison.cpp: items and events
   void compare_event();
   void compare_frames();
+  void note_direction(const Motion& original);
   void compare_motion();
   Item pull();         ///< the output's next item
   bool pull_motion();  ///< the output's next item must be a motion

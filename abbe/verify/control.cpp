@@ -151,7 +151,7 @@ bool Control::execute_settled() {
   if (plain) {
     if (!feed_words()) return false;
   } else {
-    if (!settings() || !modes() || !non_modal()) return false;
+    if (!settings() || !modes() || !placement_allows() || !non_modal()) return false;
   }
   if (!move() || !drill()) return false;
   return stops() && leftovers();
@@ -164,9 +164,11 @@ bool Control::choose_motion() {
   const bool axis_words = (b.words & (kAxisLetters | kTurnLetters)) != 0;
   const bool offset_words = b.g_code(8) == 431;
   const bool times_by_x = group0 == 40 && (b.g_words[0] & letter_bit('X')) != 0;
-  const bool turns = b.g_code(11) == 680;
+  const int frame = b.g_code(11);
+  const bool turns = frame == 680 || frame == 682 || frame == 510 || frame == 511 || frame == 501;
   const bool takes_axes = group0 == 100 || group0 == 280 || group0 == 300 ||
-                          (group0 >= 520 && group0 <= 522) || group0 == 920 || times_by_x || turns;
+                          (group0 >= 520 && group0 <= 522) || (group0 >= 683 && group0 <= 685) ||
+                          group0 == 920 || times_by_x || turns;
   const bool turns_anew = group0 == 681 || group0 == 682;  // ROT, AROT
   if (takes_axes || offset_words || group0 >= 921 || turns_anew) {
     covets_ = true;
@@ -341,7 +343,7 @@ bool Control::modes() {
     move_zero(zero);
     add(EventKind::g_code, 540, code == Block::kFurtherOffset ? letter_bit('P') : 0).sets_frames = true;
   }
-  if (const int code = b.g_code(11); code >= 0) turn(code);
+  if (const int code = b.g_code(11); code >= 0 && !change_frame(code)) return false;
   if (const int code = b.g_code(13); code >= 0) {
     if (!use_all(b.g_words[13])) return false;
     add(EventKind::g_code, code, b.g_words[13]);
@@ -357,15 +359,18 @@ bool Control::tool_offset(int code) {
   const Block& b = *block_;
   Letters words = 0;
   const bool incremental = b.g_code(3) >= 0 ? b.g_code(3) == 910 : incremental_;
-  if (profile_.tools.moves && (!b.has('Z') || incremental)) {
-    constexpr Axes z = 4;  // parameters say whether the axis moves at once
-    m_.known &= ~z;
+  constexpr Axes kZ = 4;
+  const bool moves_itself = profile_.tools.moves && (!b.has('Z') || incremental);
+  if (moves_itself) {  // parameters say whether the axis moves at once
+    m_.known &= ~kZ;
     m_.at[2] = 0;
   }
   const bool cancels = profile_.tools.h_needed && b.has('H') && b['H'] == 0;
-  // With tool centre point control the tip moves to the new length while the axes stand.
-  const bool tcp = tcp_;
-  if (!switch_tcp(false)) return false;
+  // With tool centre point control the tip moves to the new length while the axes stand; on a tilted plane
+  // the length acts across it, and the coordinates stay.
+  const bool tcp = tcp_, keeps = frames_.placement.kind == Placement::Kind::plane;
+  const Position coordinates = u_;
+  if (!keeps && !switch_tcp(false)) return false;
   if (code == 490 || (cancels && code != 431)) {
     frames_.tool_offset = Vec3::Zero();
     if (cancels) {
@@ -403,8 +408,14 @@ bool Control::tool_offset(int code) {
     if (profile_.tools.z_only) frames_.tool_offset = Vec3(0, 0, offset[2]);
     if (code == 440) frames_.tool_offset = -frames_.tool_offset;
   }
-  u_ = program_of(frames_, m_);
-  if (!switch_tcp(tcp)) return false;
+  if (keeps) {
+    u_ = coordinates;
+    if (moves_itself) u_.known &= ~kZ;
+    m_ = machine_of(frames_, u_);
+  } else {
+    u_ = program_of(frames_, m_);
+    if (!switch_tcp(tcp)) return false;
+  }
   add(EventKind::g_code, code, words).sets_frames = true;
   return true;
 }
@@ -429,6 +440,10 @@ bool Control::non_modal() {
     case 681:
     case 682:
       return make_frame(block_->g_code(0));
+    case 683:
+    case 684:
+    case 685:
+      return stretch(block_->g_code(0));
     case 520:
     case 920:
     case 921:

@@ -20,7 +20,7 @@ namespace abbe::verifying {
 /// A block is done whole or refused; after a refusal the state must not be used again.
 ///
 /// errors   false with `fault` filled: E-BLOCK E-WORD E-MODE E-WCS E-G10 E-POS E-G92 E-TOOL E-G53 E-ARC
-///          E-CYCLE E-FEED E-ROTARY E-TURN E-TCP
+///          E-CYCLE E-FEED E-ROTARY E-TURN E-TCP E-ROTATION E-FRAME E-PLANE E-DECIMAL
 /// cost     no allocation unless refused
 class Control {
  public:
@@ -110,6 +110,28 @@ class Control {
   bool cycle_words(int axis);
   void begin_motion(MotionKind kind);
   void turn(int code);
+
+  // control_frame.cpp
+  bool change_frame(int code);
+  bool begin_plane();
+  bool begin_spatial_plane();
+  bool swivel();
+  bool read_swivel(std::array<double, 16>& numbers, std::size_t& count) const;
+  bool stretch(int code);
+  void end_stretch();
+  bool place_plane(const Vec3& origin);
+  bool tool_to_plane();
+  bool lay_tool(std::optional<int> side);
+  bool reset_plane();
+  bool stand_on_plane();
+  bool scale();
+  bool mirror(bool on);
+  void end_placement(Placement::Kind kind);
+  bool frame_is_bare(std::size_t column);
+  bool placement_allows();
+  bool placement_allows_motion();
+  void forget_positions();
+
   bool settle_numbers();
   bool extras(bool after);
   bool m_code(int group);
@@ -168,9 +190,11 @@ class Control {
   bool ended_ = false;
   int flow_ = 0;
   const Rotary* rotary_;
-  Turns turns_{};             ///< rad, counted through whole turns
-  Axes unknown_turns_ = 0;    ///< bits 0 1 2 = A B C
-  Axes commanded_turns_ = 0;  ///< named by some block so far
+  Turns turns_{};               ///< rad, counted through whole turns
+  Axes unknown_turns_ = 0;      ///< bits 0 1 2 = A B C
+  Axes commanded_turns_ = 0;    ///< named by some block so far
+  bool laid_by_words_ = false;  ///< the program turns the rotary axes to the plane itself
+  bool on_plane_ = false;       ///< the rotary axes stand on the tilted plane in force
   bool tcp_ = false;
   bool edge_stated_;  ///< which tool offset is in force does not depend on the control's settings
 

@@ -47,6 +47,9 @@ bool Control::switch_cutter(int code) {
     if (plane_ != 170 || tcp_)
       return bad("cutter compensation outside the XY plane of the axes",
                  "what is offset depends on the control", "use G17, without tool centre point control");
+    if (frames_.placement.on())
+      return bad("cutter compensation where the program's axes are not those of its work offset",
+                 "the radius may be scaled, and its side mirrored", "end the frame before");
     if (block_->has('D') && profile_.tools.edges == Profile::Tools::Edges::none) {
       words = letter_bit('D');
       if (!use('D')) return false;
@@ -100,6 +103,9 @@ bool Control::move_beside() {
                   motion_.arc.turns > 1 ? "an arc of several turns under cutter compensation"
                                         : "cutter compensation begins or ends on an arc",
                   "the path depends on the control", "use straight motions, and arcs of one turn");
+  if (frames_.placement.on())
+    return refuse(1, "E-CUTCOM", "the program's axes change under cutter compensation",
+                  "what is offset depends on the control", "end the compensation with G40 before");
   const Vec3 way = motion_.end.at - motion_.start.at;
   const double length = std::hypot(way.x(), way.y());
   motion_.cutter = cutter_;

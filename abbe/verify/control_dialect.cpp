@@ -49,6 +49,7 @@ bool Control::use_all(Letters letters) {
 /// Numbers without a point, where the control counts them in increments.
 bool Control::settle_numbers() {
   const Block& b = *block_;
+  if (profile_.numbers.integer_words == Profile::IntegerWords::units) return true;
   Letters dimensions = letters('X', 'Y', 'Z', 'I', 'J', 'K', 'R', 'A', 'B', 'C');
   const int motion = b.g_code(1) >= 0 ? b.g_code(1) : mode_;
   if (is_cycle(motion)) dimensions &= ~letter_bit('K');
@@ -67,7 +68,8 @@ bool Control::settle_numbers() {
   settled_ = b;
   for (std::size_t i = 0; i < 26; ++i) {
     if ((open >> i & 1) == 0) continue;
-    const bool angle = i < 3 || (i == 'R' - 'A' && b.g_code(11) == 680);
+    const bool plane = i >= 'I' - 'A' && i <= 'K' - 'A' && b.g_code(11) == 682;
+    const bool angle = i < 3 || plane || (i == 'R' - 'A' && b.g_code(11) == 680);
     settled_.value[i] /= std::pow(10.0, angle ? profile_.numbers.decimals_degree : decimals);
   }
   block_ = &settled_;
@@ -121,6 +123,7 @@ bool Control::make_frame(int code) {
       (!shifts && (named_axes(b) != 0 || (b.words & letters('A', 'B', 'C')) != 0)))
     return refuse(b.g_column[0], "E-BLOCK", "a frame beside other codes", "their order is not defined",
                   "use two blocks");
+  if (!adds) end_stretch();
   if (adds && frames_.turn != 0)
     return refuse(b.g_column[0], "E-ROTATION", "a further frame in a turned one",
                   "it would count in the turned axes", "write ROT or TRANS first");

@@ -41,6 +41,8 @@ bool Control::may_drill(int call) {
   for (int i = 0; i < b.extra_count; ++i) late = late || b.extras[static_cast<std::size_t>(i)].after;
   if (late)
     return bad("E-AUX", "a call beside a code that acts behind the motion", "their order is not sure");
+  if (frames_.placement.on())
+    return bad("E-CYCLE", "a cycle in a tilted plane", "its axis is none of the machine");
   if (tcp_) return bad("E-TCP", "a cycle while the tip is controlled", "its axis is not sure");
   const bool always = drills_always_ || call != 99;
   const bool sideways = moves_ && motion_.kind == MotionKind::rapid && (motion_.named & 3u) != 0;

@@ -77,8 +77,9 @@ bool Control::move() {
   const bool machine_words = block_->g_code(0) == 530;
   if (!machine_words && (!frame_known() || !increments_sure())) return false;
   if (machine_words) moved_zeros_ |= named_axes(*block_);
+  if (!stand_on_plane()) return false;
   const bool done = motion_code_ <= 10 ? straight() : motion_code_ <= 30 ? arc() : canned_cycle();
-  if (!done) return false;
+  if (!done || (frames_.placement.on() && !placement_allows_motion())) return false;
   if (!turns_known()) motion_.end.known = 0;  // where the tip goes depends on all axes
   if (feeds && (motion_.start.known != kAllAxes || motion_.end.known != kAllAxes)) {
     const Axes missing = kAllAxes & ~(motion_.start.known & motion_.end.known);
@@ -169,10 +170,14 @@ bool Control::arc() {
   arc.start_radius = start_radius;
   arc.end_radius = end_radius;
   arc.rise = to.at[c] - from.at[c];
-  const double rotation = frames_.rotation();
-  arc.first = rotated_about_z(Vec3::Unit(a), rotation);
-  arc.second = rotated_about_z(Vec3::Unit(b), rotation);
-  arc.normal = rotated_about_z(Vec3::Unit(c), rotation);
+  arc.first = vector_of(frames_, Vec3::Unit(a));
+  arc.second = vector_of(frames_, Vec3::Unit(b));
+  arc.normal = vector_of(frames_, Vec3::Unit(c));
+  if (frames_.placement.kind == Placement::Kind::scale) {  // the axes are unit vectors, the lengths scaled
+    const double length = arc.first.norm();
+    for (Vec3* axis : {&arc.first, &arc.second, &arc.normal}) *axis /= length;
+    for (double* value : {&arc.start_radius, &arc.end_radius, &arc.rise}) *value *= length;
+  }
   arc.centre = machine_of(frames_, {centre, kAllAxes}).at;
   u_ = to;
   m_ = motion_.end;
@@ -327,7 +332,7 @@ bool Control::canned_cycle() {
   cycle.retract = at_height(hole, r);
   cycle.bottom = at_height(hole, bottom);
   cycle.clear = at_height(hole, clear);
-  cycle.step = rotated_about_z(step, frames_.rotation());
+  cycle.step = vector_of(frames_, step);
 
   u_.at = hole + step * (cycle.holes - 1);
   u_.at[c] = clear;

@@ -12,10 +12,27 @@ namespace abbe::verifying {
 using Axes = unsigned;
 inline constexpr Axes kAllAxes = 7;
 
+/// Axes of a program that are not those of its work offset: of a tilted plane, longer by a scale, turned
+/// round by a mirror. They are at right angles to each other.
+///   p becomes origin + axes[0] x + axes[1] y + axes[2] z
+struct Placement {
+  enum class Kind : std::uint8_t { none, plane, scale, mirror };
+  Kind kind = Kind::none;
+  std::array<Vec3, 3> axes{Vec3::UnitX(), Vec3::UnitY(), Vec3::UnitZ()};
+  Vec3 origin = Vec3::Zero();
+  [[nodiscard]] bool on() const { return kind != Kind::none; }
+  [[nodiscard]] bool even() const;  ///< all axes are as long
+  [[nodiscard]] Vec3 of(const Vec3& p) const { return origin + along(p); }
+  [[nodiscard]] Vec3 along(const Vec3& v) const {
+    return v.x() * axes[0] + v.y() * axes[1] + v.z() * axes[2];
+  }
+  [[nodiscard]] Vec3 back(const Vec3& q) const;  ///< the inverse of `of`
+};
+
 /// What lies between a program's numbers and the axis commands:
 ///   m = Rz(rotation) (p + g92) + origin + tool_offset
 /// p program position, m axis command; all in mm. Positions are kept as u = p + g92, which G92 and
-/// G52 do not change. A rotation by the program (G68) turns u about k + g92 before that.
+/// G52 do not change. A rotation by the program (G68) turns u about k + g92 before that, a placement takes p.
 struct Frames {
   struct System {
     Vec3 origin = Vec3::Zero();
@@ -29,6 +46,7 @@ struct Frames {
   Vec3 tool_offset = Vec3::Zero();
   double turn = 0;            ///< rad, about `pivot`, made by the program
   Vec3 pivot = Vec3::Zero();  ///< program coordinates
+  Placement placement;
 
   [[nodiscard]] const System& system() const { return systems[static_cast<std::size_t>(active)]; }
   [[nodiscard]] double rotation() const { return system().rotation + turn; }
@@ -56,9 +74,12 @@ struct Position {
 [[nodiscard]] Position machine_of_any(const Frames& frames, const Position& u);
 [[nodiscard]] inline Position machine_of(const Frames& frames, const Position& u) {
   const Frames::System& system = frames.system();
-  if (u.known != kAllAxes || frames.turn != 0) return machine_of_any(frames, u);
+  if (u.known != kAllAxes || frames.turn != 0 || frames.placement.on()) return machine_of_any(frames, u);
   return {rotated_about_z(u.at, system.rotation) + system.origin + frames.tool_offset, kAllAxes};
 }
+
+/// What a vector of the program is in axis commands.
+[[nodiscard]] Vec3 vector_of(const Frames& frames, const Vec3& v);
 
 /// The inverse: u = Rz(-rotation) (m - origin - tool_offset).
 [[nodiscard]] Position program_of(const Frames& frames, const Position& m);

@@ -117,6 +117,7 @@ class KlartextScanner : public WordTaker {
                          : bad(first, "E-TOOL", "TOOL DEF that is more than a number",
                                "tools of the program differ from those of the table", "use the tool table");
     }
+    if (first == "PLANE") return plane();
     if ((first == "CYCL" || first == "CYCLE") && item(1) == "DEF") return definition();
     if (first == "CYCL" && item(1) == "CALL") {
       column(items_[1]);
@@ -314,6 +315,47 @@ class KlartextScanner : public WordTaker {
                  "its numbers mean nothing without", "write BEGIN PGM name MM or INCH");
     if (first == "END") return m_word(2, column(first));
     return g_word(unit == "MM" ? 21 : 20, column(first));
+  }
+
+  /// PLANE SPATIAL with its three angles, PLANE RESET; STAY, TURN or MOVE, and how the control gets there.
+  bool plane() {
+    const Profile::Keyword* word = find_keyword(profile_, item(1));
+    const Meaning meaning = word != nullptr ? profile_.g[word->index].meaning : Meaning::unknown;
+    const bool spatial = meaning == Meaning::spatial_plane;
+    if (!spatial && meaning != Meaning::plane_off)
+      return bad(items_[0], "E-PLANE", "another plane than PLANE SPATIAL", "where it lies is not followed",
+                 "post PLANE SPATIAL");
+    bool by_table = false;
+    for (std::size_t i = 2; i < count_; ++i) {
+      const std::string_view said = items_[i];
+      const bool rot = (said == "COORD" || said == "TABLE") && item(i + 1) == "ROT";
+      double value = 0;
+      if (said == "STAY" || said == "TURN" || said == "MOVE") {
+        if (!value_word('P', said == "STAY" ? 0 : 1, column(said), false)) return false;
+      } else if (said == "SEQ+" || said == "SEQ-") {
+        if (!value_word('Q', said == "SEQ+" ? 1 : -1, column(said), false)) return false;
+      } else if (rot) {
+        by_table = by_table || said == "TABLE";
+        ++i;
+      } else if (begins(said, "SPA") || begins(said, "SPB") || begins(said, "SPC")) {
+        const std::string_view digits = said.size() > 3 ? said.substr(3) : item(++i);
+        if (!number(digits, said, value) ||
+            !value_word(static_cast<char>(said[2] - 'A' + 'I'), value, column(said), false))
+          return false;
+      } else if (said != "FMAX") {
+        const std::size_t letters_of = begins(said, "DIST") ? 4 : begins(said, "F") ? 1 : 0;
+        if (letters_of == 0) return unknown(said);
+        const std::string_view digits = said.size() > letters_of ? said.substr(letters_of) : item(++i);
+        if (!number(digits, said, value)) return false;
+      }
+    }
+    const Letters needed = spatial ? letters('I', 'J', 'K', 'P') : letter_bit('P');
+    const bool turns = block_.has('P') && block_['P'] != 0;
+    if ((block_.words & needed) != needed || (!spatial && (block_.words & letters('I', 'J', 'K')) != 0) ||
+        (turns && by_table))
+      return bad(items_[0], "E-PLANE", "a plane without its angles or without STAY, TURN or MOVE",
+                 "where the rotary axes go is not known", "write SPA.. SPB.. SPC.. STAY");
+    return keyword(*word, "", column(items_[0]));
   }
 
   bool definition() {

@@ -186,7 +186,7 @@ TEST(KlartextWords, WhatIsNotUnderstoodIsRefused) {
                            "CYCL DEF 7.0 SHIFT ~\n CYCL DEF 7.1 X+5",
                            "L X+1 M99",
                            "CALL LBL 1",
-                           "PLANE RESET STAY",
+                           "PLANE VECTOR STAY",
                            "CP IPA+30 DR+",
                            "CC IX+1 IY+2",
                            "CC X+1",

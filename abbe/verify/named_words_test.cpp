@@ -127,7 +127,7 @@ TEST(NamedWords, WhatIsNotUnderstoodIsRefused) {
                                                                     {"MCALL CYCLE81(1)", "E-CYCLE"},
                                                                     {"G41 X1", "E-CUTCOM"},
                                                                     {"UNHEARD", "E-GCODE"},
-                                                                    {"CYCLE800(1)", "E-GCODE"},
+                                                                    {"CYCLE800(1)", "E-PLANE"},
                                                                     {"(c)", "E-CHAR"},
                                                                     {"D2", "E-TOOL"},
                                                                     {"T=\"NONE\"", "E-TOOL"},

@@ -22,6 +22,8 @@ class Rotary {
   [[nodiscard]] bool has(int letter) const { return axes_.rotary[static_cast<std::size_t>(letter)] >= 0; }
   [[nodiscard]] bool any() const { return any_; }
   [[nodiscard]] std::span<const TcpCode> codes() const { return control_.codes; }
+  /// How the control chooses where its axes stand on a tilted plane, if it is stated.
+  [[nodiscard]] const std::optional<TiltSolution>& tilt() const { return control_.tilt; }
   [[nodiscard]] const AddressedAxes& axes() const { return axes_; }
   [[nodiscard]] const ControlKinematics& kinematics() const { return kinematics_; }
   [[nodiscard]] Turning turning(int letter) const;

@@ -120,6 +120,30 @@ constexpr Seat seat_of(Meaning meaning) {
       return {11, 680};
     case Meaning::rotate_off:
       return {11, 690};
+    case Meaning::scale:
+      return {11, 510};
+    case Meaning::scale_off:
+      return {11, 500};
+    case Meaning::mirror:
+      return {11, 511};
+    case Meaning::mirror_off:
+      return {11, 501};
+    case Meaning::tilted_plane:
+      return {11, 682};
+    case Meaning::tool_to_plane:
+      return {11, 531};
+    case Meaning::frame_scale:
+      return {0, 683};
+    case Meaning::frame_scale_further:
+      return {0, 684};
+    case Meaning::frame_mirror:
+      return {0, 685};
+    case Meaning::swivel_plane:
+      return {11, 684};
+    case Meaning::spatial_plane:
+      return {11, 683};
+    case Meaning::plane_off:
+      return {11, 691};
     case Meaning::frame_shift:
       return {0, 521};
     case Meaning::frame_shift_further:
@@ -263,6 +287,8 @@ bool WordTaker::take_code(std::string_view word, double value, int number, const
                     fmt::format("{}: two codes of one group in a block", name()),
                     "they contradict each other", "use two blocks");
   }
+  constexpr int frames = 11;
+  if (seat.group == frames) block_.frame_text = text;
   block_.g_groups |= bit;
   block_.g[group] = static_cast<std::int16_t>(code);
   block_.g_column[group] = static_cast<std::uint8_t>(column);
