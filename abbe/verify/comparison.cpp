@@ -212,7 +212,8 @@ void Comparison::compare_motion() {
   if (timed_ && !(expected.kind == MotionKind::line && expected.turns() && expected.feed_mode == 940))
     return disagree_and_stop("V-FEED", "G93 in the output for a motion that needs no time of its own");
   if (expected.feeds() && !expected.machine_words)
-    return expected.turns() ? cover_turning(expected) : cover(expected);
+    return expected.turns() || (expected.by_direction && length_of(expected) > 0) ? cover_turning(expected)
+                                                                                  : cover(expected);
   if (!pull_motion()) return;
   const Motion& found = output_.motion();
   output_turns_ = found.turns_end;
@@ -239,6 +240,8 @@ void Comparison::compare_motion() {
       return compare_words(expected, found);
     case MotionKind::cycle:
       return compare_cycle(expected, found);
+    case MotionKind::nurbs:
+      return compare_nurbs(expected, found);
     case MotionKind::arc:
       return;  // covered above
   }

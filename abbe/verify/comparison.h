@@ -70,6 +70,10 @@ class Comparison {
   void account(Cover& cover, const Motion& piece, double t, const Vec3& command, const Vec3& tip);
   void conclude(Cover& cover);
 
+  // compare_nurbs.cpp: curves by control points
+  void compare_nurbs(const Motion& original, const Motion& output);
+  void sample_nurbs(const Motion& original, const Motion& output);
+
   // cover_turning.cpp: feed motions with rotary axes
   struct TurnCover;
   void cover_turning(const Motion& original);

@@ -37,6 +37,8 @@ direction = [-1, 0, 0]
 direction = [0, 0, -1]
 [control]
 mode = "tcp"
+codes = { "G43.5" = "tcp-vectors", G49 = "axis" }
+vectors = { turns = "nearest", between = "axes" }
 [errors]
 EYX = { poly = [0, 0.02, 1e-5] }
 EA0Z = 20
@@ -116,6 +118,42 @@ N150 M30
 %
 )";
 
+// Directions of the tool as NX and others post them: all three components in every block that turns.
+constexpr const char* kSiemensVectors = R"(N10 G17 G40 G90 G94 G710
+N20 T="BALL_D8" M6
+N30 D1 S12000 M3
+N40 G54
+N50 G0 A0 C0
+N60 TRAORI
+N70 G0 X0 Y0 Z50
+N80 G1 X0 Y0 Z0 A3=0 B3=0 C3=1 F800
+N90 G1 X10 Y2 Z-1 A3=-0.059391175 B3=0.163175911 C3=0.984807753
+N100 X20 Y3 Z-1.5 A3=-0.088896 B3=0.197327 C3=0.976296
+N110 X30 Y3.5
+N120 X40 Y3.5 Z-1.25 A3=-0.12 B3=0.21 C3=0.97
+N130 G0 Z50
+N140 TRAFOOF
+N150 M30
+)";
+
+constexpr const char* kFanucVectors = R"(%
+O0043
+N10 G21 G90 G94 G17 G40 G80
+N20 G54
+N30 T2 M6
+N40 G0 A0. C0.
+N50 G43.5 H2 X0. Y0. Z50.
+N60 G0 Z5. S9000 M3
+N70 G1 X0. Y0. Z0. I0. J0. K1. F800.
+N80 X10. Y2. Z-1. I-.059391 J.163176 K.984808
+N90 X20. Y3. Z-1.5 I-.088896 J.197327 K.976296
+N100 X30. Y3.5
+N110 G0 Z50.
+N120 G49
+N130 M30
+%
+)";
+
 struct Written {
   const char *name, *dialect, *machine, *program, *start;
   double before_um;  ///< at least
@@ -139,13 +177,15 @@ TEST_P(PostedPrograms, AreCompensated) {
   EXPECT_LE(report["after"]["max_um"].get<double>(), 1 + report["quantisation_um"].get<double>());
 }
 
-INSTANTIATE_TEST_SUITE_P(Controls, PostedPrograms,
-                         ::testing::Values(Written{"siemens", "siemens", kThreeAxes, kSiemens, "X0,Y0,Z0",
-                                                   10},
-                                           Written{"siemens_traori", "siemens", kTiltingTable,
-                                                   kSiemensFiveAxes, "X0,Y0,Z0,A0,C0", 1},
-                                           Written{"iso", "iso", kThreeAxes, kIso, "X0,Y0,Z0", 10}),
-                         [](const auto& test) { return std::string(test.param.name); });
+INSTANTIATE_TEST_SUITE_P(
+    Controls, PostedPrograms,
+    ::testing::Values(
+        Written{"siemens", "siemens", kThreeAxes, kSiemens, "X0,Y0,Z0", 10},
+        Written{"siemens_traori", "siemens", kTiltingTable, kSiemensFiveAxes, "X0,Y0,Z0,A0,C0", 1},
+        Written{"siemens_vectors", "siemens", kTiltingTable, kSiemensVectors, "X0,Y0,Z0,A0,C0", 1},
+        Written{"fanuc_vectors", "fanuc", kTiltingTable, kFanucVectors, "X0,Y0,Z0,A0,C0", 1},
+        Written{"iso", "iso", kThreeAxes, kIso, "X0,Y0,Z0", 10}),
+    [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
 }  // namespace abbe::cli
