@@ -311,7 +311,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refused{"fanuc", "G7.1 C10.", "E-FRAME"}, Refused{"fanuc", "G107 C10.", "E-FRAME"},
         Refused{"fanuc", "G12.1", "E-FRAME"}, Refused{"fanuc", "G112", "E-FRAME"},
         Refused{"fanuc", "G16", "E-FRAME"}, Refused{"fanuc", "G68.2 X0 Y0 Z0 I0 J30. K0", "E-PLANE"},
-        Refused{"fanuc", "G6.2 P3 K0 X0 Y0 Z0", "E-GCODE"}, Refused{"fanuc", "G60 X10.", "E-GCODE"},
+        Refused{"fanuc", "G5.2 P3 K0 X0 Y0 Z0", "E-GCODE"}, Refused{"fanuc", "G60 X10.", "E-GCODE"},
         Refused{"fanuc", "G31 Z-5. F50", "E-GCODE"}, Refused{"fanuc", "G65 P9010", "E-GCODE"},
         Refused{"fanuc", "M98 P1000", "E-OWORD"}, Refused{"fanuc", "M99", "E-OWORD"},
         Refused{"fanuc", "M77", "E-MCODE"}, Refused{"fanuc", "G87 Z-5. R2. Q1. F50", "E-CYCLE"},

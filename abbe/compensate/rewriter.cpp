@@ -25,6 +25,7 @@ Rewriter::Rewriter(const Plan& plan, const AddressedAxes& axes, const RewriteJob
       report_(report),
       machine_(plan.machine()),
       field_(plan, axes, job.probed_datum),
+      vectors_(plan.machine(), axes),
       findings_(job.name),
       interpolation_(job.tolerance / 2),
       angular_(machine_.has_angular_errors()),
@@ -225,7 +226,9 @@ void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::
   if (file_eol_.empty()) file_eol_ = std::string(eol_);
   if (held_pole_ && block_->pole != Block::Pole::used) release_pole(out);
   if (ended_ && !too_long) return pass_behind_end(out);  // the control does not read on
+  if (motion_lost_ && error && error->code == std::string_view("E-EXPR")) return;  // said already
   if (too_long || error) {
+    motion_lost_ = motion_lost_ || (error && error->code == std::string_view("E-GCODE"));
     findings_.add(
         error.value_or(BlockError{"E-LINELEN", kMaxBlockBytes, 1, "the line is longer than 64 KiB",
                                   "the control refuses such lines", "break the block into several"}),
@@ -262,11 +265,12 @@ void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::
     return write_header(out);
   }
   if (block_->cycle != 0) return define_hole(out);
+  if (spline_ && block_->count == 0) return hold_line(false);
   if (block_->count == 0) return pass(out);
   if (block_->pole == Block::Pole::set) return set_pole();
   if (block_->slash && profile_.text.skip != Profile::Skip::ignored) {
     using BlockDelete = ControlSetup::BlockDelete;
-    if (job_.setup.block_delete == BlockDelete::on) return pass(out);
+    if (job_.setup.block_delete == BlockDelete::on) return spline_ ? hold_line(false) : pass(out);
     if (job_.setup.block_delete == BlockDelete::unknown) {
       refuse_block("E-SKIP", "a block with '/' runs or not, as the operator's switch stands",
                    "the corrections that follow depend on it",
@@ -274,12 +278,27 @@ void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::
       return;
     }
   }
-  if (!read_instruction(profile_, *block_, modal_, number_, findings_, instruction_)) return;
+  if (!read_known_instruction()) return;
   if (instruction_.turns_axes && !turn_words_allowed()) return;
+  if (instruction_.directs_tool && !vector_words_allowed()) return;
   execute(out);
   if (begins) write_header(out);
   if (instruction_.flow != 0) [[unlikely]]
     follow_flow();
+}
+
+// After a code that was refused its words are not judged, line by line: what they belong to is not known.
+bool Rewriter::read_known_instruction() {
+  if (!motion_lost_) [[likely]] {
+    const bool known = read_instruction(profile_, *block_, modal_, number_, findings_, instruction_);
+    motion_lost_ = !known && findings_.list().back().code == "E-GCODE";
+    return known;
+  }
+  ProgramFindings here(job_.name);
+  const bool good = read_instruction(profile_, *block_, modal_, number_, here, instruction_);
+  motion_lost_ = !instruction_.states_motion;
+  findings_.add_all_but(here, motion_lost_ ? "E-WORD" : "");
+  return good;
 }
 
 void Rewriter::execute(std::string& out) {
@@ -294,10 +313,17 @@ void Rewriter::execute(std::string& out) {
   bool done = false;
   const bool moves =
       instruction_.motion >= 0 && instruction_.motion != 800 &&
-      (instruction_.moves_axes || is_arc(instruction_.motion) || is_cycle(instruction_.motion));
+      (instruction_.moves_axes || is_arc(instruction_.motion) || is_cycle(instruction_.motion) ||
+       instruction_.motion == kNurbs);
   if (profile_.text.conversational && !call_hole(moves)) return;
   if (instruction_.plain || (settings() && zero_group(out, done) && !done)) {
     if (!is_cycle(modal_.motion)) cycle_.code = -1;
+    if (spline_ && instruction_.motion != kNurbs) {
+      refuse_block("E-SPLINE", "a block inside a curve that has not all its knots yet",
+                   "the control stops, or makes another curve", "complete the knots of the curve before it");
+      ended_ = instruction_.ends;
+      return abandon_spline();
+    }
     if (moves) {
       const bool sure =
           modal_.stated && !offset_doubtful_ && instruction_.zero != 530 && !instruction_.tool_change;
@@ -337,6 +363,9 @@ void Rewriter::execute(std::string& out) {
 
 void Rewriter::finish(std::string& out) {
   release_hole(out);
+  if (spline_)
+    refuse_block("E-SPLINE", "the program ends inside a curve", "the control stops there",
+                 "complete the knots of the curve");
   if (held_pole_) {
     const std::size_t begin = out.size();
     release_pole(out);

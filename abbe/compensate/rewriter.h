@@ -18,8 +18,10 @@
 #include "abbe/compensate/cutter.h"
 #include "abbe/compensate/line_edit.h"
 #include "abbe/compensate/line_split.h"
+#include "abbe/compensate/nurbs_curve.h"
 #include "abbe/compensate/plain_line.h"
 #include "abbe/compensate/rewrite.h"
+#include "abbe/compensate/tool_vectors.h"
 #include "abbe/compensate/turn_word.h"
 #include "abbe/compensate/turning_packet.h"
 #include "abbe/program/block.h"
@@ -66,6 +68,7 @@ class Rewriter {
     unsigned known0 = 0, known1 = 0, named = 0;  ///< bits 0 1 2 = X Y Z, 3 4 5 = A B C
     Turns turns0{}, turns1{};                    ///< of the original
     unsigned turning = 0;                        ///< rotary axes that move, bits 0 1 2 = A B C
+    bool by_vector = false;                      ///< the block states the tool's direction
     [[nodiscard]] bool turns() const { return turning != 0; }
   };
   /// A block of the output that does part of a straight move.
@@ -73,7 +76,7 @@ class Rewriter {
     double s0 = 0, s1 = 1;                 ///< of the original move
     Vec3 want = Vec3::Zero();              ///< program coordinates of the output
     Turns turns{};                         ///< as their words say
-    std::array<double, 3> turn_numbers{};  ///< those words
+    std::array<double, 3> turn_numbers{};  ///< those words, or the components of the tool's direction
   };
 
   /// Lines that are read at once where they are not plain.
@@ -83,6 +86,7 @@ class Rewriter {
   void block_lines(std::span<const std::string_view> texts, std::uint64_t number, bool too_long,
                    std::string& out);
   void line(const std::optional<BlockError>& error, bool too_long, std::string& out);
+  bool read_known_instruction();
   void execute(std::string& out);
   std::optional<BlockError> read_line(std::string_view bytes, Block& block);
   void look_ahead(std::size_t rows);
@@ -206,9 +210,9 @@ class Rewriter {
     double s = 0;
     Vec3 m = Vec3::Zero();
     Turns turns{};
-    std::array<double, 3> numbers{};
-    Turns cut_short{};     ///< corrections that would have turned an axis another way, rad
-    double direction = 0;  ///< what is left between the tool axes, rad
+    std::array<double, 3> numbers{};  ///< of the words, or components of the tool's direction
+    Turns cut_short{};                ///< corrections that would have turned an axis another way, rad
+    double direction = 0;             ///< what is left between the tool axes, rad
     bool held = false;
   };
   std::optional<Stop> stop_at(const Move& move, double s, const Turns& from);
@@ -217,6 +221,19 @@ class Rewriter {
   bool split_turn(const Move& move, const Stop& a, const Stop& b, int depth, std::vector<Stop>& stops);
   /// `meant`: way of the linear axes in the original, `done`: in the output.
   void note_turning_gradient(const Vec3& meant, const Vec3& done);
+
+  // rewriter_vector.cpp: the tool's direction as a vector
+  [[nodiscard]] const Word& direction_word(std::size_t k) const {
+    return block_->words[static_cast<std::size_t>(instruction_.direction[k])];
+  }
+  [[nodiscard]] Vec3 written_direction() const;
+  [[nodiscard]] int direction_decimals() const;
+  bool vector_words_allowed();
+  bool read_vector(Move& move);
+  std::optional<Turns> turns_of_vector(const Vec3& words, const Turns& from);
+  bool settle_vector(double s, const Turns& meant, const Turns& wanted, const Turns& from, Stop& stop);
+  void command_vector(const Piece& piece, bool first, std::string* extra);
+
   bool choose_turning_feed(const Move& move, const Stop& start, const std::vector<Stop>& stops);
   void write_timed(const Move& move, const std::vector<Piece>& pieces, std::string& out);
 
@@ -285,6 +302,15 @@ class Rewriter {
   [[nodiscard]] std::optional<PlaneWay> written_way(const ArcPiece& piece, const Vec3& start,
                                                     const Vec3& end) const;
   void command_centre(const ArcPiece& piece, const Vec3& start, bool first, std::string* extra);
+
+  // rewriter_spline.cpp: curves by control points
+  void spline(std::string& out);
+  bool hold_spline_block();
+  void hold_line(bool has_point);
+  void abandon_spline();
+  std::optional<std::vector<Vec3>> moved_points();
+  std::optional<double> spline_miss(const NurbsCurve& output);
+  bool write_spline(std::string& out);
 
   // rewriter_pole.cpp: conversational programs, whose arcs go about a pole
   void set_pole();
@@ -362,6 +388,7 @@ class Rewriter {
   RewriteReport& report_;
   const Machine& machine_;
   CorrectionField field_;
+  ToolVectors vectors_;
   ProgramFindings findings_;
   double interpolation_;     ///< mm
   double short_enough_ = 0;  ///< mm: a move up to this length is not looked into
@@ -485,6 +512,22 @@ class Rewriter {
   TurningBend bend_;
   unsigned written_ = 0;  ///< words of the present line with new numbers, as PlainLine::named
   std::array<FixedNumber, PlainLine::kFeed> spelled_;
+  /// The blocks of a curve that has not all its knots yet, and what they say, program coordinates.
+  struct HeldSpline {
+    struct Line {
+      std::string text, eol;
+      Block block;
+      Instruction instruction;
+      std::uint64_t number = 0;
+      bool has_point = false;
+    };
+    std::vector<std::unique_ptr<Line>> blocks;
+    NurbsCurve curve;        ///< of the original, mm
+    Vec3 at = Vec3::Zero();  ///< its last control point
+    unsigned axes = 0;       ///< named in its first block, bits 0 1 2 = X Y Z
+  };
+  std::unique_ptr<HeldSpline> spline_;
+  bool motion_lost_ = false;  ///< a refused code may have been one of motions: words of it are not judged
 
   std::vector<MoveSample> samples_;
   std::vector<ArcTarget> targets_;

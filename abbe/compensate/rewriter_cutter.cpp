@@ -78,6 +78,7 @@ bool Rewriter::cutter_permits() {
   const char* what = frame                 ? "a frame, an offset or a machine position"
                      : other               ? "a plane, a unit, a tool or a subprogram"
                      : is_cycle(in.motion) ? "a drilling cycle"
+                     : in.motion == kNurbs ? "a curve by control points"
                      : in.ends             ? "the end of the program"
                      : in.turns_axes       ? "a word of a rotary axis"
                                            : nullptr;

@@ -73,6 +73,12 @@ bool Rewriter::settle_numbers() {
     const bool cycle_k = word.letter == 'K' && is_cycle(instruction_.motion);
     if ((kDimensions & letter_set({&word.letter, 1})) == 0 && !time) continue;
     if (cycle_k || word.value == 0) continue;
+    const bool of_curve = instruction_.motion == kNurbs && (word.letter == 'K' || word.letter == 'R');
+    if (of_curve && (has_point(*block_, word) || rules.integer_words == IntegerWords::units)) continue;
+    const auto index = static_cast<std::int8_t>(i);
+    const bool direction = instruction_.directs_tool && std::count(instruction_.direction.begin(),
+                                                                   instruction_.direction.end(), index) > 0;
+    if (direction && (has_point(*block_, word) || rules.integer_words == IntegerWords::units)) continue;
     const bool angle = (word.letter == 'R' && instruction_.frame == FrameChange::turn) ||
                        (word.letter >= 'A' && word.letter <= 'C') ||
                        (word.letter >= 'I' && word.letter <= 'K' && instruction_.frame == FrameChange::plane);

@@ -32,6 +32,7 @@ bool Rewriter::may_expand(const Holes& holes) {
   const bool g4_takes_p = g4.meaning == Meaning::dwell && (g4.words & letter_set("P")) != 0;
   const char* why = !drills()                 ? "it follows holes that are written as G0 and G1"
                     : modal_.feed_mode == 930 ? "it would need a time for each block (G93)"
+                    : in_.frames.placed()     ? "the plane is tilted, scaled or mirrored"
                     : withheld_ != 0          ? "an axis stands in machine coordinates"
                     : in_.p()[holes.n] < holes.r - kSameHeight ? "it begins below its R level"
                     : dwells && !(profile_.cycles.dwell_as_g4 && g4_takes_p)

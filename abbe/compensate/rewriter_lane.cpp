@@ -41,7 +41,7 @@ bool Rewriter::lane_is_open(std::uint64_t number, std::size_t rows) const {
                             modal_.feed_mode == 940 && !offset_doubtful_ && cycle_.code == -1 && !tcp_ &&
                             !cutter_.acts();
   const bool stands = known_ == needed_ && withheld_ == 0 && shifted_ == 0 && start_corrected_ &&
-                      !datum_dirty_ && in_.frames.known() && !in_.frames.rotated();
+                      !datum_dirty_ && in_.frames.known() && !in_.frames.rotated() && !in_.frames.placed();
   const bool in_program = any_block_ && header_written_ && !ended_ && depth_ == 0 && !held_pole_ &&
                           number > kMarkLines && !findings_.refused();
   const bool traced = job_.trace_line >= number && job_.trace_line < number + rows;

@@ -114,6 +114,10 @@ bool Rewriter::check_travel(const Move& move) {
 
 void Rewriter::motion(std::string& out) {
   if (is_cycle(instruction_.motion)) return cycle(out);
+  if (instruction_.motion == kNurbs) {
+    refresh_datum();
+    return spline(out);
+  }
   Move move;
   if (!stand_on_plane() || !read_move(move) || !plane_allows(move)) return;
   refresh_datum();
@@ -142,6 +146,11 @@ void Rewriter::motion(std::string& out) {
     pass(out);
   } else if (is_arc(instruction_.motion)) {
     withheld_ &= ~move.named;
+    if (modal_.vectors) {
+      refuse_block("E-VECTOR", "an arc while I J K are the tool's direction",
+                   "whether they are its centre then is not sure", "post arcs with G43.4, or as lines");
+      return;
+    }
     if (move.turns()) {
       refuse_block("E-ROTARY", "a rotary axis turns along an arc",
                    "how the control joins both motions is not known", "post such paths as lines");

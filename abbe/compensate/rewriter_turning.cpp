@@ -93,6 +93,7 @@ bool Rewriter::turn_words_allowed() {
 // Where the original turns to.
 bool Rewriter::read_turns(Move& move) {
   move.turns0 = move.turns1 = in_.turns;
+  if (instruction_.directs_tool) return read_vector(move);
   if (!instruction_.turns_axes) return true;
   const bool machine_frame = instruction_.zero == 530;
   const auto offsets = machine_frame ? Turns{} : in_.frames.turn_offset();
@@ -152,6 +153,8 @@ void Rewriter::keep_turns(const Move& move) {
 }
 
 void Rewriter::command_turns(const Move& move, const Piece& piece, bool first, std::string* extra) {
+  out_.turns = move.by_vector ? piece.turns : out_.turns;
+  if (move.by_vector) return command_vector(piece, first, extra);
   for (int k = 0; k < 3; ++k) {
     if ((move.turning & (1u << k)) == 0) continue;
     const auto i = static_cast<std::size_t>(k);
@@ -212,6 +215,7 @@ std::optional<Rewriter::Stop> Rewriter::stop_at(const Move& move, double s, cons
   }
   stop.held = answer.held;
   stop.turns = from;
+  if (move.by_vector && !settle_vector(s, turns, answer.turns, from, stop)) return std::nullopt;
   const auto offsets = in_.frames.turn_offset();
   for (int k = 0; k < 3; ++k) {
     const auto i = static_cast<std::size_t>(k);
@@ -281,6 +285,13 @@ bool Rewriter::bends(const Move& move, const Stop& a, const Stop& b, double tole
 bool Rewriter::split_turn(const Move& move, const Stop& a, const Stop& b, int depth,
                           std::vector<Stop>& stops) {
   const bool bent = depth < kDeepest && bends(move, a, b, interpolation_);
+  if (bent && move.by_vector && machine_.control.vectors.between == VectorRule::Between::unstated) {
+    refuse_block("E-VECTOR", "the correction bends along a block with the tool's direction",
+                 "how the tool turns between its ends is not known, so it cannot be split",
+                 "state vectors.between in [control] of the machine file, or allow more with "
+                 "--tolerance-um");
+    return false;
+  }
   const bool too_short = (b.s - a.s) / 2 < splitting_.least;
   if (bent && too_short) {
     if (bends(move, a, b, job_.tolerance)) return refuse_short_blocks(job_.tolerance);

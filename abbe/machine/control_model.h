@@ -20,6 +20,14 @@ struct TcpCode {
   char letter = 'G';  ///< G or M
   int code = 0;       ///< 10 times its number: G43.4 is 434
   bool on = false;
+  bool vectors = false;  ///< while it is on, I J K of lines and rapids are the tool's direction (G43.5)
+};
+
+/// What a control makes of a tool's direction that a program states as a vector (docs/theory/five-axes.md):
+/// which of the positions of the rotary axes that give it, and how they go there from block to block.
+struct VectorRule {
+  bool nearest = false;  ///< the nearest ones; the outer axis stays where it does not matter. false: not stated
+  enum class Between { unstated, axes } between = Between::unstated;  ///< axes: each goes evenly
 };
 
 /// One axis as the control knows it.
@@ -43,6 +51,7 @@ struct ControlModel {
   bool declared = false;              ///< false: rotary words are refused
   bool tcp = false;                   ///< tool centre point control is on when a program starts
   std::vector<TcpCode> codes;         ///< that switch it
+  VectorRule vectors;
   std::vector<std::string> corrects;  ///< errors the control corrects itself, as they are named in [errors]
   std::optional<TiltSolution> tilt;   ///< none: programs of tilted planes say where the rotary axes stand
   std::vector<ControlAxis> axes;      ///< one per moving axis

@@ -17,6 +17,7 @@ namespace {
 
 const std::vector<std::string> kModes{"axis", "tcp"};
 const std::vector<std::string> kTiltSolutions{"A+", "A-", "B+", "B-", "C+", "C-"};
+const std::vector<std::string> kCodeModes{"axis", "tcp", "tcp-vectors"};
 const std::vector<std::string> kTurnings{"linear", "shortest", "sign"};
 
 /// "G43.4" or "M428": a letter and a number with one decimal at most.
@@ -39,11 +40,23 @@ void read_codes(const TomlNode& node, ControlModel& control, Findings& findings)
                      "write for example: codes = { M428 = \"tcp\", M429 = \"axis\" }");
       continue;
     }
-    const auto mode = read_choice(entry.value, kModes, "control.codes." + entry.key, findings);
+    const auto mode = read_choice(entry.value, kCodeModes, "control.codes." + entry.key, findings);
     if (!mode) continue;
-    code->on = *mode == 1;
+    code->on = *mode != 0;
+    code->vectors = *mode == 2;
     control.codes.push_back(*code);
   }
+}
+
+void read_vector_rule(const TomlNode& node, VectorRule& rule, Findings& findings) {
+  static const std::vector<std::string> kTurns{"nearest"}, kBetween{"axes"};
+  if (!expect_kind(node, TomlNode::Kind::table, "control.vectors", findings)) return;
+  refuse_other_keys(node, {"turns", "between"}, "control.vectors", findings);
+  if (const auto* entry = node.find("turns"))
+    rule.nearest = read_choice(entry->value, kTurns, "control.vectors.turns", findings).has_value();
+  if (const auto* entry = node.find("between"))
+    if (read_choice(entry->value, kBetween, "control.vectors.between", findings))
+      rule.between = VectorRule::Between::axes;
 }
 
 void read_control_axis(const TomlEntry& entry, const Body& body, const FileUnits& units, ControlAxis& axis,
@@ -124,13 +137,15 @@ ControlModel read_control(const TomlNode& root, const std::vector<Body>& bodies,
       std::count_if(bodies.begin(), bodies.end(), [](const Body& body) { return body.axis >= 0; })));
   const TomlNode* table = find_table(root, "control", findings);
   if (table == nullptr) return control;
-  refuse_other_keys(*table, {"mode", "codes", "corrects", "tilt_solution", "axis"}, "[control]", findings);
+  refuse_other_keys(*table, {"mode", "codes", "vectors", "corrects", "tilt_solution", "axis"}, "[control]",
+                    findings);
   if (const auto* entry = table->find("mode")) {
     const auto mode = read_choice(entry->value, kModes, "control.mode", findings);
     control.declared = mode.has_value();
     control.tcp = mode && *mode == 1;
   }
   if (const auto* entry = table->find("codes")) read_codes(entry->value, control, findings);
+  if (const auto* entry = table->find("vectors")) read_vector_rule(entry->value, control.vectors, findings);
   if (const auto* entry = table->find("corrects")) {
     if (expect_kind(entry->value, TomlNode::Kind::array, "control.corrects", findings)) {
       for (const TomlNode& item : entry->value.items) {

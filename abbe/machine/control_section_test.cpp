@@ -57,6 +57,23 @@ TEST(ControlSection, CodesAreTenTimesTheirNumber) {
   EXPECT_TRUE(parsed.value->control.codes[0].on);
 }
 
+TEST(ControlSection, SaysWhatAToolDirectionBecomes) {
+  const auto parsed = read(
+      "[control]\nmode = \"axis\"\ncodes = { \"G43.5\" = \"tcp-vectors\", \"G43.4\" = \"tcp\" }\n"
+      "vectors = { turns = \"nearest\", between = \"axes\" }\n");
+  ASSERT_TRUE(parsed.value);
+  for (const TcpCode& code : parsed.value->control.codes)
+    EXPECT_EQ(code.vectors, code.code == 435) << code.code;
+  EXPECT_TRUE(parsed.value->control.vectors.nearest);
+  EXPECT_EQ(parsed.value->control.vectors.between, VectorRule::Between::axes);
+  const auto silent = read("[control]\nmode = \"tcp\"\n");
+  EXPECT_FALSE(silent.value->control.vectors.nearest);
+  EXPECT_EQ(silent.value->control.vectors.between, VectorRule::Between::unstated);
+  EXPECT_FALSE(read("[control]\nmode = \"tcp\"\nvectors = { turns = \"farthest\" }\n").value);
+  EXPECT_FALSE(read("[control]\nmode = \"tcp\"\nvectors = \"nearest\"\n").value);
+  EXPECT_FALSE(read("[control]\nmode = \"tcp\"\nvectors = { turn = \"nearest\" }\n").value);
+}
+
 TEST(ControlSection, WhatTheControlCorrectsIsLeftOut) {
   const auto parsed = read("[control]\nmode = \"axis\"\ncorrects = [\"EXX\", \"C0Y\"]\n");
   ASSERT_TRUE(parsed.value);

@@ -18,6 +18,7 @@ constexpr MeaningInfo kMeaningInfo[] = {
     {M::line, "line", 'G', "X", kMoves, "feed in a straight line"},
     {M::arc_cw, "arc-cw", 'G', "A", kMoves | kCentre | letter_set("RP"), "arc clockwise"},
     {M::arc_ccw, "arc-ccw", 'G', "A", kMoves | kCentre | letter_set("RP"), "arc counter-clockwise"},
+    {M::nurbs, "nurbs", 'G', "S", kAxes | letter_set("PKR"), "curve by control points, one block each"},
     {M::no_motion, "no-motion", 'G', "P", 0, "ends a cycle or the motion mode"},
     {M::chip_break, "chip-break", 'G', "S", kAxes | letter_set("RLQ"), "drill, breaking chips"},
     {M::tap_left, "tap-left", 'G', "S", kAxes | letter_set("RLP"), "tap a left-hand thread"},

@@ -18,6 +18,10 @@ using LetterSet = std::uint32_t;
   return set;
 }
 
+/// Letters of the components of a tool axis vector whose words have names of their own (A3= B3= C3=): the
+/// three bytes behind Z, which no program can write as a letter.
+inline constexpr std::string_view kVectorLetters = "[\\]";
+
 /// What a G or M code means. A control's profile gives each of its codes one of these; what the reader, the
 /// rewriter and the verifying reader then do is their own affair. `unknown` codes are refused.
 enum class Meaning : std::uint8_t {
@@ -27,6 +31,7 @@ enum class Meaning : std::uint8_t {
   line,
   arc_cw,
   arc_ccw,
+  nurbs,
   no_motion,
   chip_break,
   tap_left,
@@ -176,6 +181,7 @@ struct Profile {
     IntegerWords integer_words = IntegerWords::units;
     int decimals_mm = 4, decimals_inch = 5, decimals_degree = 4,
         decimals_feed = 4;  ///< digits after the point that are written
+    int decimals_vector = 6;  ///< of the components of a tool axis vector
     int digits = 0;         ///< most digits of a number, 0 = any
     /// What a scale factor without a point counts: a thousandth, a hundred-thousandth; `ask` refuses it.
     enum class Scale : std::uint8_t { thousandths, hundred_thousandths, ask };

@@ -193,11 +193,17 @@ void read_codes(const TomlNode& root, Profile& profile, Findings& findings) {
   }
 }
 
-/// `CR = "R"`: no letter of an axis, whose words are also added and are spelled by their letter.
+/// `CR = "R"`: no letter of an axis, whose words are also added and are spelled by their letter. `A3 = "TX"`:
+/// a component of the tool's direction.
 void read_addresses(const TomlNode& root, Profile& profile, Findings& findings) {
   const TomlEntry* entry = root.find("addresses");
   if (entry == nullptr || !expect_kind(entry->value, TomlNode::Kind::table, "addresses", findings)) return;
-  const std::vector<std::string> letters{"D", "F", "H", "L", "M", "P", "Q", "R", "S", "T"};
+  const std::vector<std::string> letters{"D", "F", "H", "L", "M", "P", "Q", "R", "S", "T",
+                                         "TX", "TY", "TZ"};
+  const auto letter_of = [&](std::size_t at) {
+    return letters[at].size() == 1 ? letters[at][0]
+                                   : kVectorLetters[static_cast<std::size_t>(letters[at][1] - 'X')];
+  };
   for (const TomlEntry& address : entry->value.entries) {
     const auto at = read_choice(address.value, letters, "addresses." + address.key, findings);
     if (!is_name(address.key)) {
@@ -209,9 +215,9 @@ void read_addresses(const TomlNode& root, Profile& profile, Findings& findings) 
           std::lower_bound(list.begin(), list.end(), address.key,
                            [](const auto& known, const std::string& key) { return known.name < key; });
       if (place != list.end() && place->name == address.key)
-        place->letter = letters[*at][0];
+        place->letter = letter_of(static_cast<std::size_t>(*at));
       else
-        list.insert(place, {address.key, letters[*at][0]});
+        list.insert(place, {address.key, letter_of(static_cast<std::size_t>(*at))});
     }
   }
 }

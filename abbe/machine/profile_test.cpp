@@ -168,6 +168,8 @@ TEST(Profiles, CodesMayBeWords) {
   EXPECT_EQ(find_keyword(*siemens, "SUP"), nullptr);
   EXPECT_EQ(find_address(*siemens, "CR"), 'R');
   EXPECT_EQ(find_address(*siemens, "C1"), '\0');
+  EXPECT_EQ(find_address(*siemens, "A3"), kVectorLetters[0]);
+  EXPECT_EQ(find_address(*siemens, "C3"), kVectorLetters[2]);
   EXPECT_EQ(siemens->g[5990].number, 9 + 99) << "G599";
   const auto own = read_profile("own.toml",
                                 "format = 1\nextends = \"siemens\"\n[codes]\nMSG = \"copy\"\nCUSTOM = { "

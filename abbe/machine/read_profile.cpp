@@ -30,11 +30,12 @@ void read_numbers(const TomlNode& root, Profile& profile, Findings& findings) {
   const TomlNode* decimals = section.find("decimals");
   if (decimals == nullptr || !expect_kind(*decimals, TomlNode::Kind::table, "numbers.decimals", findings))
     return;
-  refuse_other_keys(*decimals, {"mm", "inch", "degree", "feed"}, "numbers.decimals", findings);
+  refuse_other_keys(*decimals, {"mm", "inch", "degree", "feed", "vector"}, "numbers.decimals", findings);
   for (const auto& [key, value] : {std::pair{"mm", &numbers.decimals_mm},
                                    {"inch", &numbers.decimals_inch},
                                    {"degree", &numbers.decimals_degree},
-                                   {"feed", &numbers.decimals_feed}}) {
+                                   {"feed", &numbers.decimals_feed},
+                                   {"vector", &numbers.decimals_vector}}) {
     if (const TomlEntry* entry = decimals->find(key))
       section.read_whole(entry->value, fmt::format("numbers.decimals.{}", key), *value, 1, 8);
   }

@@ -159,6 +159,9 @@ double Follower::seconds_of(const Motion& next) const {
 
 bool Follower::follow(const Motion& next) {
   if (next.kind == MotionKind::cycle) return follow_cycle(next);
+  if (next.kind == MotionKind::nurbs)
+    return fail("E-SPLINE", "a curve by control points", "what a tool leaves along it is not reckoned",
+                "post it as lines");
   const bool known =
       next.start.known == kAllAxes && next.end.known == kAllAxes && next.kind != MotionKind::home;
   if (!known || !to_part) {

@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 
 namespace abbe {
 namespace {
@@ -39,6 +41,7 @@ constexpr Role kRoles[] = {
     {Meaning::line, motion, 10},
     {Meaning::arc_cw, motion, 20},
     {Meaning::arc_ccw, motion, 30},
+    {Meaning::nurbs, motion, kNurbs},
     {Meaning::no_motion, motion, 800},
     {Meaning::chip_break, motion, 730},
     {Meaning::tap_left, motion, 740},
@@ -128,10 +131,11 @@ constexpr int kNumbered = -2;
 constexpr std::uint32_t bit(char letter) { return 1u << (letter - 'A'); }
 constexpr std::uint32_t kAxisBits = bit('X') | bit('Y') | bit('Z');
 constexpr std::uint32_t kTurnBits = bit('A') | bit('B') | bit('C');
+constexpr char kTurnLetters[] = {'A', 'B', 'C'};
 constexpr std::uint32_t kCentreBits = bit('I') | bit('J') | bit('K');
 constexpr std::uint32_t kValueBits = kAxisBits | kTurnBits | kCentreBits | bit('R') | bit('P') | bit('Q') |
                                      bit('L') | bit('F') | bit('S') | bit('T') | bit('H') | bit('D') |
-                                     bit('E') | bit('N');
+                                     bit('E') | bit('N') | letter_set(kVectorLetters);
 
 void refuse(ProgramFindings& findings, std::uint64_t line, const Block& block, const Word& word,
             const char* code, std::string message, const char* why, const char* fix) {
@@ -206,6 +210,10 @@ struct Reading {
     return false;
   }
 
+  void switch_tcp(const TcpCode& code) const {
+    out.tcp = code.on ? 1 : 0;
+    out.vectors = code.vectors;
+  }
   bool note_g(const Word& word);
   bool note_m(const Word& word);
   void put_in_force(const Role& role, const CodeUse& use);
@@ -214,9 +222,10 @@ struct Reading {
 bool Reading::note_g(const Word& word) {
   static constexpr CodeUse kTcpLength{Meaning::tool_length, false, 0, 0, letter_set("H")};
   const TcpCode* tcp = tcp_code(state, word);
-  if (tcp != nullptr) out.tcp = tcp->on ? 1 : 0;
-  // G43.4 H applies a tool length like G43
-  const CodeUse& use = tcp != nullptr && tcp->code == 434 ? kTcpLength : use_of(profile, word);
+  if (tcp != nullptr) switch_tcp(*tcp);
+  // G43.4 H and G43.5 H apply a tool length like G43
+  const bool with_length = tcp != nullptr && (tcp->code == 434 || tcp->code == 435);
+  const CodeUse& use = with_length ? kTcpLength : use_of(profile, word);
   if (use.meaning == Meaning::unknown) return tcp != nullptr || refuse_unknown(word, use);
   const Role role = role_of(use.meaning);
   used |= use.words;
@@ -292,7 +301,7 @@ void Reading::put_in_force(const Role& role, const CodeUse& use) {
 
 bool Reading::note_m(const Word& word) {
   if (const TcpCode* tcp = tcp_code(state, word)) {
-    out.tcp = tcp->on ? 1 : 0;
+    switch_tcp(*tcp);
     return true;
   }
   const CodeUse& use = use_of(profile, word);
@@ -461,6 +470,35 @@ bool number_work_offset(Reading& reading) {
   return false;
 }
 
+/// The three words that state the tool's direction: those with names of their own (A3=), or I J K of a line
+/// or rapid where the control's mode says so. False: refused.
+bool read_direction(Reading& reading, GCode motion) {
+  Instruction& out = reading.out;
+  const bool straight = motion == 0 || motion == 10;
+  const bool by_centre_words = straight && (out.tcp >= 0 ? out.vectors : reading.state.vectors);
+  const Word* first = nullptr;
+  int count = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto named = static_cast<std::size_t>(kVectorLetters[k] - 'A');
+    out.direction[k] = out.word[named] >= 0 || !by_centre_words ? out.word[named] : out.word["IJK"[k] - 'A'];
+    if (out.direction[k] < 0) continue;
+    first = &reading.block.words[static_cast<std::size_t>(out.direction[k])];
+    ++count;
+  }
+  if (first == nullptr) return true;
+  out.directs_tool = true;
+  const bool angles = std::any_of(std::begin(kTurnLetters), std::end(kTurnLetters),
+                                  [&](char letter) { return out.find(reading.block, letter) != nullptr; });
+  const char* wrong = count < 3   ? "the tool's direction without all of its three components"
+                      : angles    ? "the tool's direction beside words of rotary axes"
+                      : !straight ? "the tool's direction in a block that is no line and no rapid"
+                                  : nullptr;
+  if (wrong == nullptr) return true;
+  reading.refuse(*first, "E-VECTOR", wrong, "where the rotary axes go is not sure",
+                 "post all three components, in blocks of G0 and G1");
+  return false;
+}
+
 }  // namespace
 
 bool read_instruction(const Profile& profile, const Block& block, const ModalState& state, std::uint64_t line,
@@ -473,7 +511,8 @@ bool read_instruction(const Profile& profile, const Block& block, const ModalSta
   for (std::size_t i = 0; i < out.word.size(); ++i) present |= out.word[i] >= 0 ? LetterSet{1} << i : 0;
   out.after = out.after || out.exact_stop;
   out.turns_axes = (present & kTurnBits) != 0;
-  out.moves_axes = out.turns_axes || (present & kAxisBits) != 0;
+  if (!read_direction(reading, out.states_motion ? out.motion : state.motion)) return false;
+  out.moves_axes = out.turns_axes || out.directs_tool || (present & kAxisBits) != 0;
   const bool beside_motion = profile.home_beside_motion && (out.zero == 280 || out.zero == 300);
   const bool taken =
       axis_words_taken(out.zero) || out.tool_length == 431 || reading.dwell_x || takes_words(out.frame);
@@ -515,7 +554,8 @@ bool read_instruction(const Profile& profile, const Block& block, const ModalSta
                        "whether they move the machine is not known", "split the block");
   }
   const bool centre_alone = is_arc(state.motion) && (present & kCentreBits) != 0;  // a full circle
-  if (!out.states_motion && (out.moves_axes || centre_alone) && !taken) {
+  const bool knot_alone = state.motion == kNurbs && (present & bit('K')) != 0;
+  if (!out.states_motion && (out.moves_axes || centre_alone || knot_alone) && !taken) {
     out.motion = state.motion;
     out.motion_words = state.motion_words;
   }
@@ -536,7 +576,9 @@ bool read_instruction(const Profile& profile, const Block& block, const ModalSta
     return whole_block("E-BLOCK", "a reference return without an axis",
                        "which axes go there depends on the control", "write G28 G91 Z0");
   }
-  const LetterSet unused = present & ~(reading.used | (out.states_motion ? 0 : out.motion_words));
+  LetterSet unused = present & ~(reading.used | (out.states_motion ? 0 : out.motion_words));
+  for (const std::int8_t index : out.direction)
+    if (index >= 0) unused &= ~bit(block.words[static_cast<std::size_t>(index)].letter);
   if (unused != 0) {
     for (int i = 0; i < block.count; ++i) {
       const Word& word = block.words[static_cast<std::size_t>(i)];
@@ -568,6 +610,7 @@ void apply_modal(const Block& block, const Instruction& in, ModalState& state) {
   }
   if (in.plane >= 0) state.plane = in.plane == 170 ? Plane::xy : in.plane == 180 ? Plane::zx : Plane::yz;
   if (in.units >= 0) state.inch = in.units == 200;
+  if (in.tcp >= 0) state.vectors = in.vectors;
   if (in.distance >= 0) state.incremental = in.distance == 910;
   if (in.arc_distance >= 0) state.absolute_centre = in.arc_distance == 901;
   if (in.retract >= 0) state.retract_to_r = in.retract == 990;

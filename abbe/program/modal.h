@@ -48,6 +48,7 @@ struct ModalState {
       false;  ///< the control wants the tool offset stated after M6 and at the start (Profile::Tools::edges)
   bool edge_stated = true;               ///< and it is
   bool stated = true;                    ///< all of these
+  bool vectors = false;                  ///< I J K of lines and rapids are the tool's direction (G43.5)
   std::span<const TcpCode> tcp_codes{};  ///< codes of this control that switch tool centre point control
   [[nodiscard]] double unit() const { return inch ? 25.4 : 1.0; }
 };
@@ -80,10 +81,13 @@ struct Instruction {
   GCode motion = -1;  ///< motion code in force for this block, -1: the block does not move by a motion code
   bool states_motion = false;          ///< the code is written in this block
   GCode zero = -1;                     ///< group 0: G4 G10 G28 G30 G52 G53 G92 ..
-  std::array<std::int8_t, 26> word{};  ///< index of each value word by letter, -1 = absent
+  std::array<std::int8_t, 29> word{};  ///< index of each value word by letter (to kVectorLetters), -1 = absent
+  std::array<std::int8_t, 3> direction{-1, -1, -1};  ///< indices of the components of the tool's direction
   bool moves_axes = false;             ///< X, Y, Z or A, B, C is written
   bool turns_axes = false;             ///< A, B or C is written
+  bool directs_tool = false;           ///< the tool's direction is written as a vector
   std::int8_t tcp = -1;                ///< 1, 0: tool centre point control is switched on, off
+  bool vectors = false;                ///< and from there on I J K of lines and rapids are the tool's direction
   bool plain = false;                  ///< X Y Z and F only: a line or rapid that was in force
   int wcs = -1;                        ///< work offset: 0 = G54 .. 8 = G59.3, then the further ones
   GCode tool_length = -1, plane = -1, units = -1, distance = -1, arc_distance = -1, feed_mode = -1,
@@ -112,6 +116,8 @@ struct Instruction {
 [[nodiscard]] constexpr bool is_cycle(GCode code) {
   return (code >= 810 && code <= 890) || code == 730 || code == 740 || code == 760;
 }
+/// G6.2: blocks of control points and knots that make one curve.
+inline constexpr GCode kNurbs = 62;
 [[nodiscard]] constexpr bool is_arc(GCode code) { return code == 20 || code == 30; }
 /// The word's code acts when the motion of its block is done.
 [[nodiscard]] bool acts_after_motion(const Profile& profile, const Word& word);

@@ -27,6 +27,14 @@ void ProgramFindings::add(const BlockError& error, std::uint64_t line, std::stri
       error.fix);
 }
 
+void ProgramFindings::add_all_but(const ProgramFindings& other, const std::string& code) {
+  for (const Diagnostic& d : other.list()) {
+    if (d.code == code) continue;
+    errors_ += d.severity == Severity::error ? 1 : 0;
+    if (++count_[d.code] <= kPerCode) list_.push_back(d);
+  }
+}
+
 Diagnostics ProgramFindings::take() {
   for (const auto& [code, count] : count_) {
     if (count <= kPerCode) continue;

@@ -21,6 +21,9 @@ class ProgramFindings {
                          std::string why, std::string fix);
   [[gnu::cold]] void add(const BlockError& error, std::uint64_t line, std::string_view text);
 
+  /// Takes over what another collection found, but for findings of this code.
+  void add_all_but(const ProgramFindings& other, const std::string& code);
+
   [[nodiscard]] bool refused() const { return errors_ > 0; }
   [[nodiscard]] const Diagnostics& list() const { return list_; }
   /// Ends the collection: adds how many findings of a kind were not listed.

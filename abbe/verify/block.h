@@ -54,8 +54,9 @@ struct Block {
   static constexpr int kMaxComments = 127;
 
   Letters words = 0;             ///< value words present (neither G nor M)
-  std::array<double, 26> value;  ///< by letter
-  std::array<std::uint8_t, 26> column;
+  static constexpr std::size_t kLetters = 29;  ///< A to Z, and kVectorLetters
+  std::array<double, kLetters> value;          ///< by letter
+  std::array<std::uint8_t, kLetters> column;
   std::uint32_t g_groups = 0;           ///< bit = group
   std::array<std::int16_t, kGroups> g;  ///< 10 times the code: G59.1 is 591
   std::array<std::uint8_t, kGroups> g_column;
@@ -79,6 +80,7 @@ struct Block {
   int tcp_code = -1;      ///< 10 times the number of a code that switches tool centre point control
   char tcp_letter = 'G';
   bool tcp = false;              ///< on or off
+  bool tcp_vectors = false;      ///< and with it I J K of straight motions become the tool's direction
   bool deletable = false;        ///< starts with '/'
   std::string_view frame_text;   ///< of a code of group 11 that is a word, with its brackets
   std::string_view tool_name;    ///< T="..", without quotes; the T word is then 0

@@ -66,7 +66,7 @@ void Comparison::compare_rapid(const Motion& original, const Motion& output) {
     disagree("V-END", fmt::format("the rapid ends {:.3f} um from its target, {:.3f} um are allowed",
                                   distance / um, allowed / um));
   check_reach(original.end.at, output.end.at);
-  if (original.turns()) {
+  if (original.turns() || original.by_direction) {
     const Vec3 axis = model_.nominal_pose(original.end.at).tool_axis;
     const auto angle = [&](const Vec3& other) {
       return std::atan2(axis.cross(other).norm(), axis.dot(other));

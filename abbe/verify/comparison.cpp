@@ -237,7 +237,8 @@ void Comparison::compare_motion() {
   if (changes || (expected.cutter.phase == Phase::on && expected.kind == MotionKind::rapid))
     return compare_change(expected);
   if (expected.feeds() && !expected.machine_words)
-    return expected.turns() ? cover_turning(expected) : cover(expected);
+    return expected.turns() || (expected.by_direction && length_of(expected) > 0) ? cover_turning(expected)
+                                                                                  : cover(expected);
   if (!pull_motion() || !skip_step_to_hole(expected)) return;
   const Motion& found = output_.motion();
   const bool drills = expected.kind == MotionKind::cycle && (expected.code == 810 || expected.code == 820);
@@ -269,6 +270,8 @@ void Comparison::compare_motion() {
       return compare_words(expected, found);
     case MotionKind::cycle:
       return compare_cycle(expected, found);
+    case MotionKind::nurbs:
+      return compare_nurbs(expected, found);
     case MotionKind::arc:
       return;  // covered above
   }

@@ -91,6 +91,9 @@ class Comparison {
   void check_beside(const Motion& original, const Motion& piece, double s);
   void compare_change(const Motion& original);
   void compare_contour_end(const Motion& original, const Motion& output);
+  // compare_nurbs.cpp: curves by control points
+  void compare_nurbs(const Motion& original, const Motion& output);
+  void sample_nurbs(const Motion& original, const Motion& output);
 
   // cover_turning.cpp: feed motions with rotary axes
   struct TurnCover;

@@ -13,7 +13,7 @@ namespace {
 constexpr Letters kAxisLetters = letters('X', 'Y', 'Z');
 constexpr Letters kTurnLetters = letters('A', 'B', 'C');
 constexpr Letters kCentreLetters = letters('I', 'J', 'K');
-constexpr int kNoMotion = 800;
+constexpr int kNoMotion = 800, kNurbs = 62;
 
 bool is_cycle(int code) { return code >= 730 && code != kNoMotion; }
 
@@ -80,7 +80,7 @@ void Control::fill(Event& event, EventKind kind, int code, Letters words) const 
   event.words = block_->words & words;
   event.text = {};
   std::size_t n = 0;
-  for (std::size_t i = 0; i < 26 && n < event.values.size(); ++i)
+  for (std::size_t i = 0; i < Block::kLetters && n < event.values.size(); ++i)
     if ((event.words >> i & 1) != 0) event.values[n++] = block_->value[i];
   for (; n < event.values.size(); ++n) event.values[n] = 0;
 }
@@ -161,7 +161,7 @@ bool Control::execute_settled() {
 bool Control::choose_motion() {
   const Block& b = *block_;
   const int group0 = b.g_code(0), explicit_motion = b.g_code(1);
-  const bool axis_words = (b.words & (kAxisLetters | kTurnLetters)) != 0;
+  const bool axis_words = (b.words & (kAxisLetters | kTurnLetters)) != 0 || direction_named();
   const bool offset_words = b.g_code(8) == 431;
   const bool times_by_x = group0 == 40 && (b.g_words[0] & letter_bit('X')) != 0;
   const int frame = b.g_code(11);
@@ -186,13 +186,14 @@ bool Control::choose_motion() {
     mode_ = is_cycle(explicit_motion) ? mode_
                                       : explicit_motion;  // a cycle becomes the mode after its first block
     if (is_cycle(explicit_motion)) motion_code_ = explicit_motion;
-    if (explicit_motion == 20 || explicit_motion == 30) motion_code_ = explicit_motion;
+    if (explicit_motion == 20 || explicit_motion == 30 || explicit_motion == kNurbs)
+      motion_code_ = explicit_motion;
     if ((explicit_motion == 0 || explicit_motion == 10) && axis_words && !covets_)
       motion_code_ = explicit_motion;
     if (explicit_motion == kNoMotion && axis_words && !covets_)
       return refuse(b.g_column[1], "E-MODE", "axis words with G80", "no motion is active to use them",
                     "give the motion code");
-  } else if (!covets_ && (axis_words || ((mode_ == 20 || mode_ == 30) && (b.words & kCentreLetters) != 0))) {
+  } else if (!covets_ && (axis_words || (mode_ == kNurbs && b.has('K')) || ((mode_ == 20 || mode_ == 30) && (b.words & kCentreLetters) != 0))) {
     if (mode_ == kNoMotion)
       return refuse_at(b.has('X')   ? 'X'
                        : b.has('Y') ? 'Y'
@@ -318,6 +319,7 @@ bool Control::modes() {
       return refuse(1, "E-TCP", "tool centre point control without a model of the control",
                     "where the tip goes is not known", "declare [control] in the machine file");
     if (!switch_tcp(b.tcp)) return false;
+    directs_by_centre_words_ = b.tcp && b.tcp_vectors;
     const bool g = b.tcp_letter == 'G';
     add(g ? EventKind::g_code : EventKind::m_code, g ? b.tcp_code : b.tcp_code / 10);
   }
@@ -604,7 +606,7 @@ bool Control::stops() {
 bool Control::leftovers() {
   const Letters left = block_->words & ~used_;
   if (left == 0) return true;
-  for (char letter = 'A'; letter <= 'Z'; ++letter)
+  for (char letter = 'A'; letter <= kVectorLetters.back(); ++letter)
     if ((left & letter_bit(letter)) != 0)
       return refuse_at(letter, "E-WORD", fmt::format("nothing in this block uses the {} word", letter),
                        "the control stops here", "remove it or add the code it belongs to");

@@ -20,7 +20,7 @@ namespace abbe::verifying {
 /// A block is done whole or refused; after a refusal the state must not be used again.
 ///
 /// errors   false with `fault` filled: E-BLOCK E-WORD E-MODE E-WCS E-G10 E-POS E-G92 E-TOOL E-G53 E-ARC
-///          E-CYCLE E-FEED E-ROTARY E-TURN E-TCP E-ROTATION E-FRAME E-PLANE E-DECIMAL
+///          E-CYCLE E-FEED E-ROTARY E-TURN E-TCP E-VECTOR E-ROTATION E-FRAME E-PLANE E-DECIMAL
 /// cost     no allocation unless refused
 class Control {
  public:
@@ -107,6 +107,9 @@ class Control {
   bool arc();
   bool arc_centre(const Vec3& start, const Vec3& end, int a, int b, Vec3& centre);
   bool canned_cycle();
+  bool nurbs_block();
+  bool nurbs_point();
+  bool end_nurbs();
   bool cycle_words(int axis);
   void begin_motion(MotionKind kind);
   void turn(int code);
@@ -152,6 +155,9 @@ class Control {
   // control_turns.cpp
   bool turn_words_allowed();
   bool read_turns(bool machine_words);
+  [[nodiscard]] bool direction_named() const;
+  [[nodiscard]] std::array<char, 3> direction_letters() const;
+  bool read_direction(bool machine_words);
   void forget_turns();
   bool switch_tcp(bool on);
   [[nodiscard]] bool turns_known() const;
@@ -196,6 +202,7 @@ class Control {
   bool laid_by_words_ = false;  ///< the program turns the rotary axes to the plane itself
   bool on_plane_ = false;       ///< the rotary axes stand on the tilted plane in force
   bool tcp_ = false;
+  bool directs_by_centre_words_ = false;  ///< I J K of a straight motion are the tool's direction
   bool edge_stated_;  ///< which tool offset is in force does not depend on the control's settings
 
   // What the block did.
@@ -205,6 +212,10 @@ class Control {
   std::size_t after_count_ = 0;
   bool moves_ = false, drills_ = false;
   Motion motion_, hole_;
+  Nurbs nurbs_;              ///< as far as its blocks have been read
+  bool nurbs_open_ = false;  ///< knots are missing
+  Position nurbs_at_;        ///< its last control point, u
+  Axes nurbs_axes_ = 0;      ///< named in its first block
 };
 
 }  // namespace abbe::verifying

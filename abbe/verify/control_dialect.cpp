@@ -53,6 +53,7 @@ bool Control::settle_numbers() {
   Letters dimensions = letters('X', 'Y', 'Z', 'I', 'J', 'K', 'R', 'A', 'B', 'C');
   const int motion = b.g_code(1) >= 0 ? b.g_code(1) : mode_;
   if (is_cycle(motion)) dimensions &= ~letter_bit('K');
+  if (motion == 62) dimensions &= ~letters('K', 'R');  // knots and weights
   const Letters open = b.pointless & dimensions;
   if (open == 0) return true;
   if (profile_.numbers.integer_words == Profile::IntegerWords::ask) {

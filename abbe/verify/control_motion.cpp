@@ -55,6 +55,7 @@ void Control::begin_motion(MotionKind kind) {
   motion_.tcp = tcp_;
   motion_.turns_start = motion_.turns_end = turns_;
   motion_.named_turns = 0;
+  motion_.by_direction = false;
   motion_.feed_mode = feed_mode_;
   motion_.feed = feed_;
   motion_.cutter = {};
@@ -62,6 +63,9 @@ void Control::begin_motion(MotionKind kind) {
 }
 
 bool Control::move() {
+  if (nurbs_open_ && motion_code_ != 62 && (block_->words & ~letters('N')) != 0)
+    return refuse(1, "E-SPLINE", "a block of something else before the curve has all its knots",
+                  "what the control makes of it is not known", "complete the knots of the curve");
   if (motion_code_ < 0) return true;
   if (!edge_stated_) [[unlikely]]
     return refuse(1, "E-TOOL", "a motion before D says which tool offset is in force",
@@ -78,6 +82,7 @@ bool Control::move() {
   if (!machine_words && (!frame_known() || !increments_sure())) return false;
   if (machine_words) moved_zeros_ |= named_axes(*block_);
   if (!stand_on_plane()) return false;
+  if (motion_code_ == 62) return nurbs_block();
   const bool done = motion_code_ <= 10 ? straight() : motion_code_ <= 30 ? arc() : canned_cycle();
   if (!done || (frames_.placement.on() && !placement_allows_motion())) return false;
   if (!turns_known()) motion_.end.known = 0;  // where the tip goes depends on all axes
@@ -96,6 +101,7 @@ bool Control::straight() {
   begin_motion(motion_code_ == 0 ? MotionKind::rapid : MotionKind::line);
   const bool turns = (block_->words & letters('A', 'B', 'C')) != 0;
   if (turns && !read_turns(block_->g_code(0) == 530)) return false;
+  if (direction_named() && !read_direction(block_->g_code(0) == 530)) return false;
   if (block_->g_code(0) == 530) {
     if (tcp_ && (motion_.named | motion_.named_turns) != 0)
       return refuse(block_->g_column[0], "E-TCP", "machine coordinates while tool centre point control is on",
@@ -121,6 +127,9 @@ bool Control::straight() {
 bool Control::arc() {
   const Plane plane = plane_of(plane_);
   begin_motion(MotionKind::arc);
+  if (directs_by_centre_words_)
+    return refuse(1, "E-VECTOR", "an arc in a mode whose I J K are the tool's direction",
+                  "its centre is not surely stated", "post it as lines");
   if (!read_turns(false)) return false;
   if (motion_.turns())
     return refuse(1, "E-ROTARY", "a rotary axis turns along an arc",

@@ -24,7 +24,7 @@ bool Control::goes_plainly() const {
   return mode_ == line && feed_mode_ == per_minute && !incremental_ && !tcp_ && edge_stated_ &&
          moved_zeros_ == 0 && rotary_ != nullptr && rotary_->declared() && unknown_turns_ == 0 &&
          u_.known == kAllAxes && m_.known == kAllAxes && frames_.system().defined == kAllAxes &&
-         frames_.turn == 0 && cutter_.phase == CutterUse::Phase::off && !ended_;
+         frames_.turn == 0 && !frames_.placement.on() && cutter_.phase == CutterUse::Phase::off && !ended_;
 }
 
 PlainMotion Control::here() const { return {u_.at, m_.at, turns_, feed_, false, 0}; }

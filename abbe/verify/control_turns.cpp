@@ -59,6 +59,53 @@ bool Control::read_turns(bool machine_words) {
   return true;
 }
 
+/// The letters of the tool's direction in this block: those of its own words, or I J K where the mode says so.
+std::array<char, 3> Control::direction_letters() const {
+  const bool mode = block_->tcp_code >= 0 ? block_->tcp && block_->tcp_vectors : directs_by_centre_words_;
+  const int motion = block_->g_code(1) >= 0 ? block_->g_code(1) : mode_;
+  const bool own = (block_->words & letter_set(kVectorLetters)) != 0;
+  if (own || !mode || (motion != 0 && motion != 10))
+    return {kVectorLetters[0], kVectorLetters[1], kVectorLetters[2]};
+  return {'I', 'J', 'K'};
+}
+
+bool Control::direction_named() const {
+  const auto named = direction_letters();
+  return std::any_of(named.begin(), named.end(), [this](char letter) { return block_->has(letter); });
+}
+
+/// Takes the tool's direction of a straight move: where it turns the rotary axes.
+bool Control::read_direction(bool machine_words) {
+  const auto named = direction_letters();
+  const auto refuse_it = [&](const char* message) {
+    return refuse_at(named[0], "E-VECTOR", message, "where the rotary axes go is not sure",
+                     "program the angles of the rotary axes");
+  };
+  Vec3 direction = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const char letter = named[static_cast<std::size_t>(i)];
+    if (!block_->has(letter)) return refuse_it("a direction of the tool that lacks a component");
+    if (!use(letter)) return false;
+    direction[i] = (*block_)[letter];
+    motion_.turn_words[static_cast<std::size_t>(i)] = direction[i];
+  }
+  const auto& offsets = frames_.system().turns;
+  const bool offset = std::any_of(offsets.begin(), offsets.end(), [](double o) { return o != 0; });
+  if (motion_.named_turns != 0) return refuse_it("a direction of the tool beside angles of rotary axes");
+  if (rotary_ == nullptr || !tcp_ || machine_words || incremental_ || offset || !turns_known())
+    return refuse_it("a direction of the tool where the control's way to read it is not sure");
+  const ToolDirection::Found found =
+      rotary_->direction().turns_for(rotated_about_z(direction, frames_.rotation()), turns_);
+  if (found.problem != nullptr) return refuse_it(found.problem);
+  turns_ = found.turns;
+  for (int k = 0; k < 3; ++k)
+    if (rotary_->has(k)) motion_.named_turns |= Axes{1} << k;
+  commanded_turns_ |= motion_.named_turns;
+  motion_.by_direction = true;
+  motion_.turns_end = turns_;
+  return true;
+}
+
 /// G28, G30: the axes named stand where only the control knows; none named: all.
 void Control::forget_turns() {
   Axes named = 0;

@@ -23,6 +23,8 @@ class Lister {
         return list_arc(motion);
       case MotionKind::cycle:
         return list_cycle(motion);
+      case MotionKind::nurbs:  // LinuxCNC has none of this kind
+        return;
       case MotionKind::home: {
         if (motion.named != 0) rapid(motion.end);
         Position home = motion.end;

@@ -7,6 +7,7 @@
 #include "abbe/chain/control_kinematics.h"
 #include "abbe/verify/block.h"
 #include "abbe/verify/frames.h"
+#include "abbe/verify/nurbs.h"
 
 namespace abbe::verifying {
 
@@ -14,7 +15,7 @@ namespace abbe::verifying {
 [[nodiscard]] constexpr Axes named_axes(const Block& block) { return block.words >> ('X' - 'A') & kAllAxes; }
 
 /// home: G28 and G30, which end at a position that only the control knows.
-enum class MotionKind : std::uint8_t { rapid, line, arc, cycle, home };
+enum class MotionKind : std::uint8_t { rapid, line, arc, cycle, home, nurbs };
 
 /// A circular, helical or spiral arc in axis commands (mm), s from 0 to 1:
 ///   point(s) = centre + r(s) (first cos a(s) + second sin a(s)) + normal rise s
@@ -71,12 +72,14 @@ struct Motion {
   bool tcp = false;            ///< positions are of the tip (ControlKinematics), not axis commands
   Axes named_turns = 0;        ///< A B C with a word in the block: bits 0 1 2
   Turns turn_words{};          ///< their values, deg, as written
+  bool by_direction = false;   ///< A B C follow from a tool direction; turn_words are its components
   Turns turns_start{}, turns_end{};  ///< rotary positions, rad, counted through whole turns
   int feed_mode = 940;               ///< 930, 940, 950
   double feed = 0;                   ///< F in force, program units (G93: 1/min)
   CutterUse cutter;                  ///< positions are of the contour, not of the cutter's centre
   Arc arc;
   Cycle cycle;
+  const Nurbs* nurbs = nullptr;  ///< of the control, until it reads on
 
   [[nodiscard]] bool turns() const { return turns_start != turns_end; }
   [[nodiscard]] bool feeds() const { return kind == MotionKind::line || kind == MotionKind::arc; }

@@ -5,6 +5,7 @@
 
 #include "abbe/chain/control_kinematics.h"
 #include "abbe/machine/machine.h"
+#include "abbe/verify/tool_direction.h"
 
 namespace abbe::verifying {
 
@@ -15,6 +16,7 @@ class Rotary {
       : control_(machine.control),
         axes_(addressed_axes(machine)),
         kinematics_(machine, axes_),
+        direction_(machine, axes_, kinematics_),
         any_(has(0) || has(1) || has(2)) {}
 
   [[nodiscard]] bool declared() const { return control_.declared; }
@@ -26,6 +28,7 @@ class Rotary {
   [[nodiscard]] const std::optional<TiltSolution>& tilt() const { return control_.tilt; }
   [[nodiscard]] const AddressedAxes& axes() const { return axes_; }
   [[nodiscard]] const ControlKinematics& kinematics() const { return kinematics_; }
+  [[nodiscard]] const ToolDirection& direction() const { return direction_; }
   [[nodiscard]] Turning turning(int letter) const;
   /// Least increment of the control, rad; 0: not stated.
   [[nodiscard]] double resolution(int letter) const;
@@ -37,6 +40,7 @@ class Rotary {
   ControlModel control_;
   AddressedAxes axes_;
   ControlKinematics kinematics_;
+  ToolDirection direction_;
   bool any_;
 };
 

@@ -48,6 +48,8 @@ constexpr Seat seat_of(Meaning meaning) {
       return {1, 20};
     case Meaning::arc_ccw:
       return {1, 30};
+    case Meaning::nurbs:
+      return {1, 62};
     case Meaning::no_motion:
       return {1, 800};
     case Meaning::chip_break:
@@ -249,8 +251,9 @@ bool WordTaker::g_word(double value, std::size_t column) {
       whole(value * 10, number) && number >= 0 && number < static_cast<int>(Profile::kGCodes);
   const bool switches = tcp_switch('G', number);
   static constexpr CodeUse kTcpLength{Meaning::tool_length, false, 0, 0, letters('H')};
-  // G43.4 H applies the tool length as G43 does
-  const CodeUse& use = switches && number == 434 ? kTcpLength
+  // G43.4 H and G43.5 H apply the tool length as G43 does
+  const bool with_length = switches && (number == 434 || number == 435);
+  const CodeUse& use = with_length ? kTcpLength
                        : is_code                 ? profile_.g[static_cast<std::size_t>(number)]
                                                  : kUnknown;
   if (switches && use.meaning == Meaning::unknown) return true;
@@ -263,6 +266,7 @@ bool WordTaker::keyword(const Profile::Keyword& word, std::string_view text, std
     block_.tcp_letter = 'G';
     block_.tcp_code = static_cast<int>(word.index);
     block_.tcp = use.meaning == Meaning::tcp_on;
+    block_.tcp_vectors = false;
     return true;
   }
   return take_code(word.name, 0, static_cast<int>(word.index), use, text, column);
@@ -303,6 +307,7 @@ bool WordTaker::tcp_switch(char letter, int code) {
     block_.tcp_letter = letter;
     block_.tcp_code = code;
     block_.tcp = known.on;
+    block_.tcp_vectors = known.vectors;
     return true;
   }
   return false;

@@ -10,7 +10,8 @@
 namespace abbe::verifying {
 
 constexpr Letters kValueLetters =
-    letters('N', 'T', 'S', 'F', 'D', 'H', 'L', 'P', 'Q', 'R', 'X', 'Y', 'Z', 'I', 'J', 'K', 'A', 'B', 'C');
+    letters('N', 'T', 'S', 'F', 'D', 'H', 'L', 'P', 'Q', 'R', 'X', 'Y', 'Z', 'I', 'J', 'K', 'A', 'B', 'C') |
+    letter_set(kVectorLetters);
 
 /// Fills the fault; always false. `column` counts from 1.
 bool refuse(Fault& fault, std::size_t column, std::size_t length, const char* code, std::string message,

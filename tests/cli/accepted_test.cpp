@@ -50,6 +50,8 @@ direction = [-1, 0, 0]
 direction = [0, 0, -1]
 [control]
 mode = "tcp"
+codes = { "G43.5" = "tcp-vectors", G49 = "axis" }
+vectors = { turns = "nearest", between = "axes" }
 [errors]
 EYX = { poly = [0, 0.02, 1e-5] }
 EA0Z = 20
@@ -183,6 +185,44 @@ const std::string kSiemensProfile =
     milled_profile("G17 G40 G90 G94 G710\nT=\"MILL_D10\" M6\nD1 S6000 M3\nG54\nG0 X-30. Y-30. Z50.\nZ2.\n",
                    "SUPA G0 Z0 D0\nM30\n", "G41", "CR=");
 
+// Directions of the tool as NX and others post them: all three components in every block that turns.
+constexpr const char* kSiemensVectors = R"(; blade, finishing
+G90 G94 G710 G17 G40
+T="BALL_D8"
+M6
+G54 D1
+S12000 M3
+G0 A0 C0
+TRAORI
+G0 X0 Y0 Z50
+G1 X0 Y0 Z0 A3=0 B3=0 C3=1 F800
+X10 Y2 Z-1 A3=-0.059391175 B3=0.163175911 C3=0.984807753
+X20 Y3 Z-1.5 A3=-0.088896 B3=0.197327 C3=0.976296
+X30 Y3.5
+X40 Y3.5 Z-1.25 A3=-0.12 B3=0.21 C3=0.97
+G0 Z50
+TRAFOOF
+M30
+)";
+
+constexpr const char* kFanucVectors = R"(%
+O0043
+N10 G21 G90 G94 G17 G40 G80
+N20 G54
+N30 T2 M6
+N40 G0 A0. C0.
+N50 G43.5 H2 X0. Y0. Z50.
+N60 G0 Z5. S9000 M3
+N70 G1 X0. Y0. Z0. I0. J0. K1. F800.
+N80 X10. Y2. Z-1. I-.059391 J.163176 K.984808
+N90 X20. Y3. Z-1.5 I-.088896 J.197327 K.976296
+N100 X30. Y3.5
+N110 G0 Z50.
+N120 G49
+N130 M30
+%
+)";
+
 struct Written {
   const char *name, *dialect, *machine;
   std::string program;
@@ -210,16 +250,18 @@ TEST_P(PostedPrograms, AreCompensated) {
 
 INSTANTIATE_TEST_SUITE_P(
     Controls, PostedPrograms,
-    ::testing::Values(Written{"siemens", "siemens", kThreeAxes, kSiemens, "X0,Y0,Z0", 10},
-                      Written{"siemens_traori", "siemens", kTiltingTable, kSiemensFiveAxes, "X0,Y0,Z0,A0,C0",
-                              1},
-                      Written{"heidenhain", "heidenhain", kThreeAxes, kHeidenhain, "X0,Y0,Z200", 10},
-                      Written{"iso", "iso", kThreeAxes, kIso, "X0,Y0,Z0", 10},
-                      Written{"linuxcnc_g41", "linuxcnc", kGentle, kLinuxCncProfile, "X0,Y0,Z0", 4},
-                      Written{"linuxcnc_g41_1", "linuxcnc", kGentle, kLinuxCncDirect, "X0,Y0,Z0", 4},
-                      Written{"fanuc_g41", "fanuc", kGentle, kFanucProfile, "X0,Y0,Z0", 4},
-                      Written{"haas_g41", "haas", kGentle, kFanucProfile, "X0,Y0,Z0", 4},
-                      Written{"siemens_g41", "siemens", kGentle, kSiemensProfile, "X0,Y0,Z0", 4}),
+    ::testing::Values(
+        Written{"siemens", "siemens", kThreeAxes, kSiemens, "X0,Y0,Z0", 10},
+        Written{"siemens_traori", "siemens", kTiltingTable, kSiemensFiveAxes, "X0,Y0,Z0,A0,C0", 1},
+        Written{"siemens_vectors", "siemens", kTiltingTable, kSiemensVectors, "X0,Y0,Z0,A0,C0", 1},
+        Written{"fanuc_vectors", "fanuc", kTiltingTable, kFanucVectors, "X0,Y0,Z0,A0,C0", 1},
+        Written{"heidenhain", "heidenhain", kThreeAxes, kHeidenhain, "X0,Y0,Z200", 10},
+        Written{"iso", "iso", kThreeAxes, kIso, "X0,Y0,Z0", 10},
+        Written{"linuxcnc_g41", "linuxcnc", kGentle, kLinuxCncProfile, "X0,Y0,Z0", 4},
+        Written{"linuxcnc_g41_1", "linuxcnc", kGentle, kLinuxCncDirect, "X0,Y0,Z0", 4},
+        Written{"fanuc_g41", "fanuc", kGentle, kFanucProfile, "X0,Y0,Z0", 4},
+        Written{"haas_g41", "haas", kGentle, kFanucProfile, "X0,Y0,Z0", 4},
+        Written{"siemens_g41", "siemens", kGentle, kSiemensProfile, "X0,Y0,Z0", 4}),
     [](const auto& test) { return std::string(test.param.name); });
 
 }  // namespace
