@@ -56,6 +56,13 @@ TEST(KlartextBlock, OtherBlocksAreUnderstood) {
   EXPECT_EQ(words_of("8 CYCL DEF 247 PRESET Q339=+4 ;ROW"), "CYCL247 P4");
   EXPECT_EQ(words_of("8 STOP M5"), "M0 M5");
   EXPECT_EQ(words_of("8 CYCL CALL M8"), "M99 M8");
+  EXPECT_EQ(words_of("8 TOOL DEF 5 L+10.5 R+3"), "T5 L10.5 R3");
+  EXPECT_EQ(words_of("8 CALL LBL \"A B\""), "");
+  EXPECT_EQ(words_of("8 PLANE RESET  STAY"), "RESET");
+  EXPECT_EQ(words_of("8 FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS"), "M128");
+  EXPECT_EQ(words_of("8 FUNCTION RESET TCPM"), "M129");
+  EXPECT_EQ(words_of("8 L M124 T0.01"), "G1 MPOINTS");
+  EXPECT_EQ(words_of("8 L M140 MB MAX"), "G1 M140");
   EXPECT_EQ(words_of("8 L X+5 FMAX M99"), "G0 X5 M99");
   EXPECT_EQ(words_of("8 CYCL DEF 200 DRILL ~"), "");
   EXPECT_EQ(words_of("8 CYCL DEF 201 Q QUER Q200=+2 Q201=-5 ;A"), "Q2 Q-5");
@@ -85,9 +92,13 @@ TEST(KlartextBlock, WhatMayMoveOtherwiseIsRefused) {
                                                                     {"CYCL DEF 10.0 DREHUNG", "E-FRAME"},
                                                                     {"PLANE VECTOR STAY", "E-PLANE"},
                                                                     {"CYCL DEF 4711", "E-CYCLE"},
-                                                                    {"CALL LBL 1", "E-OWORD"},
+                                                                    {"CALL LBL 1 REP 2", "E-OWORD"},
+                                                                    {"CALL LBL 0", "E-OWORD"},
+                                                                    {"LBL", "E-OWORD"},
+                                                                    {"M140", "E-MCODE"},
+                                                                    {"M140 MB 5 F100", "E-MCODE"},
                                                                     {"CALL PGM A.H", "E-OWORD"},
-                                                                    {"FUNCTION TCPM F TCP", "E-TCP"},
+                                                                    {"FUNCTION TCPM F CONT", "E-TCP"},
                                                                     {"CP IPA+360 IZ-2 DR-", "E-GCODE"},
                                                                     {"RND R5", "E-GCODE"},
                                                                     {"CT X+1 Y+2", "E-GCODE"},
@@ -104,7 +115,7 @@ TEST(KlartextBlock, WhatMayMoveOtherwiseIsRefused) {
                                                                     {"L IC+5", "E-ROTARY"},
                                                                     {"TOOL CALL 1 Y S5", "E-TOOL"},
                                                                     {"TOOL CALL 1 Z DL+0.1", "E-TOOL"},
-                                                                    {"TOOL DEF 1 L+5 R+3", "E-TOOL"},
+                                                                    {"TOOL DEF 1 L+5 X+3", "E-TOOL"},
                                                                     {"TOOL CALL \"A", "E-TOOL"},
                                                                     {"BEGIN PGM A", "E-START"},
                                                                     {"HELLO", "E-GCODE"},

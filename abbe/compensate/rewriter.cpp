@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "abbe/core/number.h"
 #include "abbe/program/named_block.h"
@@ -214,7 +215,7 @@ void Rewriter::look_ahead(std::size_t rows) {
 
 // Blocks that we have added are counted, and all behind them.
 void Rewriter::count_blocks(std::size_t begin, std::string& out) {
-  if (block_->continues) return;
+  if (block_->continues || std::exchange(counted_, false)) return;
   if (block_numbers_.renumber(block_->text, begin, out)) return;
   findings_.add(Severity::error, "E-BLOCK", number_, block_->text, 0, 1,
                 "the number of the block is not above that of the block before",
@@ -266,6 +267,8 @@ void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::
   }
   if (block_->cycle != 0) return define_hole(out);
   if (spline_ && block_->count == 0) return hold_line(false);
+  if (block_->tool_data) return define_tool(out);
+  if (block_->flow != Block::Flow::none) return follow_label(out);
   if (block_->count == 0) return pass(out);
   if (block_->pole == Block::Pole::set) return set_pole();
   if (block_->slash && profile_.text.skip != Profile::Skip::ignored) {

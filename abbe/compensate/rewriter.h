@@ -30,6 +30,7 @@
 #include "abbe/program/klartext_block.h"
 #include "abbe/program/modal.h"
 #include "abbe/program/program_findings.h"
+#include "abbe/program/subprogram.h"
 
 namespace abbe {
 
@@ -113,17 +114,34 @@ class Rewriter {
   // rewriter_sensitivity.cpp
   [[nodiscard]] std::optional<RewriteReport::Sensitivity> sensitivity();
 
+  /// A subprogram that was run: its lines first .. end - 1, rewritten.
+  struct Called {
+    struct Line {
+      std::string original;
+      std::size_t begin = 0;   ///< in `text`
+      bool continues = false;  ///< its block began in the line before
+    };
+    std::uint64_t first = 0, end = 0;
+    std::string text;
+    std::vector<Line> lines;  ///< of conversational programs, which have numbers
+  };
   // rewriter_subprogram.cpp
   void follow_flow();
   bool only_changes_flow(std::string_view words);
   std::optional<int> called_number();
   void run_subprogram();
+  void run_found(const Subprogram& found, const std::string& name);
+  void follow_label(std::string& out);
+  void call_label();
+  void renumber_called(const Called& called, std::string& out);
   void pass_behind_end(std::string& out);
 
   // rewriter_setting.cpp: tools and frames
   bool settings();
   bool change_tool(std::optional<int> number);
   bool tool_length();
+  void define_tool(std::string& out);
+  bool retract();
   bool zero_group(std::string& out, bool& done);
   bool set_g92();
   bool choose_work_offset();
@@ -475,17 +493,14 @@ class Rewriter {
   };
   std::array<Extreme, 4> extremes_;  ///< of X, Y, Z, and of the gradient
 
-  /// A subprogram that was run: its lines first .. end - 1, rewritten.
-  struct Called {
-    std::uint64_t first = 0, end = 0;
-    std::string text;
-  };
   std::map<std::uint64_t, Called> run_;  ///< by first line
   std::set<int> called_;                 ///< numbers
-  std::size_t depth_ = 0;                ///< of calls now running
-  std::uint64_t call_line_ = 0;          ///< of the one in the main program
-  bool returned_ = false;                ///< the running subprogram came to its M99
-  std::uint64_t behind_ = 0;             ///< lines before this one are already written
+  std::set<std::string> called_labels_;
+  bool counted_ = false;         ///< the lines written last have their numbers already
+  std::size_t depth_ = 0;        ///< of calls now running
+  std::uint64_t call_line_ = 0;  ///< of the one in the main program
+  bool returned_ = false;        ///< the running subprogram came to its M99
+  std::uint64_t behind_ = 0;     ///< lines before this one are already written
 
   /// The pole CC of the original and of the output, program coordinates, mm; nothing: none that is sure.
   std::optional<Centre> pole_in_, pole_out_;

@@ -98,6 +98,7 @@ bool Rewriter::settings() {
     if (!change_tool(selected_tool_)) return false;
   }
   if (instruction_.tool_length >= 0 && !tool_length()) return false;
+  if ((instruction_.retracts || instruction_.way != 0) && !retract()) return false;
   if (instruction_.tcp == 1 && !machine_.control.declared) {
     refuse_block("E-TCP", "tool centre point control is switched on",
                  "the machine file does not say where the control takes its rotary axes to be",
@@ -127,6 +128,57 @@ bool Rewriter::settings() {
       d && profile_.tools.edges != Profile::Tools::Edges::none)
     edge_ = whole(d).value_or(-1);
   return (instruction_.cutter < 0 && !cutter_.acts()) || cutter_settings();
+}
+
+// M140 leaves the tool somewhere along its axis; M126 and M127 must say what the machine file says.
+bool Rewriter::retract() {
+  for (int k = 0; k < 3 && instruction_.way != 0; ++k) {
+    const Turning needed = instruction_.way == 1 ? Turning::shortest : Turning::linear;
+    if (axes_.rotary[static_cast<std::size_t>(k)] < 0 || turning_of(k) == needed) continue;
+    refuse_block("E-ROTARY", fmt::format("{} turns another way than the machine file says", "ABC"[k]),
+                 "a rotary axis that goes the other way round moves the tool through the part",
+                 "state in [control] of the machine file how the axis turns, or leave the code out");
+    return false;
+  }
+  if (!instruction_.retracts) return true;
+  if (instruction_.moves_axes) {
+    refuse_block("E-MCODE", "M140 beside a motion", "in which order they act is not sure",
+                 "give it a block of its own");
+    return false;
+  }
+  // without rotary axes the tool's axis is Z
+  const unsigned lost = (needed_ & ~7u) != 0 ? 7u : 4u;
+  known_ &= ~lost;
+  withheld_ &= ~lost;
+  last_correction_.reset();
+  start_corrected_ = false;
+  return true;
+}
+
+// TOOL DEF n L.. R..: read as long as it says what the tool table says. Which of them holds depends on
+// whether the control uses its tool table.
+void Rewriter::define_tool(std::string& out) {
+  const auto number = whole(&block_->words[0]);
+  const auto entry = number ? job_.setup.tools.find(*number) : job_.setup.tools.end();
+  const Word& length = block_->words[1];
+  const bool said = length.letter == 'L';
+  const double given = said ? length.value * modal_.unit() : 0;
+  if (entry == job_.setup.tools.end()) {
+    const std::string fix =
+        fmt::format("put it into the tool table (--tools): T{0} P{0} Z{1:g}", number.value_or(0), given);
+    refuse_block("E-TOOL", "TOOL DEF of a tool that is in no tool table",
+                 "whether the control uses the length of the program depends on its parameters", fix.c_str());
+    return;
+  }
+  if (said && std::abs(given - entry->second.offset[2]) > kSameReading) {
+    refuse(
+        length, "E-TOOL",
+        fmt::format("TOOL DEF says another length than the tool table, {:.4f} mm", entry->second.offset[2]),
+        "which of them the control uses depends on its parameters",
+        "put the same length into both, or write TOOL DEF n");
+    return;
+  }
+  pass(out);
 }
 
 // A number, or the name of a tool of the table. Nothing: to be refused.

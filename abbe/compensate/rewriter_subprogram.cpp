@@ -73,36 +73,94 @@ void Rewriter::run_subprogram() {
                  "only a number alone is known", "give it a line of its own");
     return;
   }
+  run_found(*found, fmt::format("subprogram {}", *number));
+}
+
+void Rewriter::run_found(const Subprogram& found, const std::string& name) {
   ++depth_;
   Block* const calling = block_;
+  const KlartextContext outside = klartext_;
+  klartext_ = {};
+  klartext_.comma = outside.comma;
   Block block;
-  Called called{found->first_line, found->first_line + found->lines.size(), found->lines.front()};
+  Called called{found.first_line, found.first_line + found.lines.size(), found.lines.front(), {}};
+  called.lines.push_back({found.lines.front(), 0, false});
   ++report_.lines_out;
   returned_ = false;
-  for (std::size_t i = 1; i < found->lines.size(); ++i) {
-    if (returned_) {  // behind M99
-      called.text += found->lines[i];
+  for (std::size_t i = 1; i < found.lines.size(); ++i) {
+    called.lines.push_back({found.lines[i], called.text.size(), false});
+    if (returned_) {  // behind its end
+      called.text += found.lines[i];
       ++report_.lines_out;
     } else {
-      number_ = found->first_line + i;
-      const auto error = read_line(found->lines[i], block);
+      number_ = found.first_line + i;
+      const auto error = read_line(found.lines[i], block);
       block_ = &block;
+      called.lines.back().continues = block.continues;
       line(error, false, called.text);
     }
     if (ended_) {
       refuse_block("E-OWORD", "the program ends inside a subprogram", "what follows the call is then not run",
-                   "end subprograms with M99");
+                   "end the subprogram, and the program behind the call");
       break;
     }
   }
-  if (!returned_ && !findings_.refused())
-    refuse_block("E-OWORD", fmt::format("subprogram {} does not end with M99", *number),
-                 "where it goes on is not sure", "end it with M99");
+  if (!returned_ && !findings_.refused()) {
+    const char* const end = profile_.text.conversational ? "LBL 0" : "M99";
+    refuse_block("E-OWORD", fmt::format("{} does not end with {}", name, end), "where it goes on is not sure",
+                 "end it");
+  }
   returned_ = false;
   block_ = calling;
+  klartext_ = outside;
   --depth_;
   const std::uint64_t first = called.first;
   run_.emplace(first, std::move(called));
+}
+
+// LBL and CALL LBL of conversational programs: a label behind the end of the program that is called once.
+void Rewriter::follow_label(std::string& out) {
+  pass(out);
+  if (block_->flow == Block::Flow::end) {
+    returned_ = depth_ > 0;
+    return;
+  }
+  if (block_->flow == Block::Flow::call) return call_label();
+  if (called_labels_.count(std::string(block_->label)) == 0) return;
+  refuse_block("E-OWORD", "the program comes to a subprogram that it has called",
+               "it runs a second time, elsewhere", "put subprograms behind M30");
+}
+
+void Rewriter::call_label() {
+  const std::string label(block_->label);
+  if (!called_labels_.insert(label).second) {
+    refuse_block("E-OWORD", fmt::format("LBL {} is called a second time", label),
+                 "each time it runs elsewhere it needs other corrections",
+                 "post the calls expanded: the subprogram's blocks in place of each call");
+    return;
+  }
+  if (depth_ == 0) call_line_ = number_;
+  const auto found = find_label(job_.path, label);
+  if (!found || depth_ == kDeepest || found->first_line <= call_line_) {
+    refuse_block("E-OWORD", fmt::format("LBL {} does not stand once, behind its call, in this file", label),
+                 "what it does is not known, or it runs more than once", "put it behind M30");
+    return;
+  }
+  run_found(*found, fmt::format("LBL {}", label));
+}
+
+// The numbers of its blocks follow those of the blocks before them in the file.
+void Rewriter::renumber_called(const Called& called, std::string& out) {
+  for (std::size_t i = 0; i < called.lines.size(); ++i) {
+    const Called::Line& line = called.lines[i];
+    const std::size_t end = i + 1 < called.lines.size() ? called.lines[i + 1].begin : called.text.size();
+    const std::size_t begin = out.size();
+    out += called.text.substr(line.begin, end - line.begin);
+    if (line.continues || block_numbers_.renumber(line.original, begin, out)) continue;
+    refuse_block("E-BLOCK", "the numbers of the blocks of a subprogram do not grow",
+                 "blocks that are added must be counted", "let the control number the program anew");
+  }
+  counted_ = true;
 }
 
 void Rewriter::follow_flow() {
@@ -118,7 +176,10 @@ void Rewriter::follow_flow() {
 // Behind the end of the program: what was called stands here as it was rewritten.
 void Rewriter::pass_behind_end(std::string& out) {
   if (const auto run = run_.find(number_); run != run_.end()) {
-    out += run->second.text;
+    if (profile_.text.conversational)
+      renumber_called(run->second, out);
+    else
+      out += run->second.text;
     behind_ = run->second.end;
   }
   if (number_ >= behind_) pass(out);

@@ -49,6 +49,11 @@ struct Block {
   bool continues = false;       ///< the line belongs to the block of the line before
   std::int16_t cycle = 0;       ///< the line is part of the definition of this drilling cycle
   bool defines = false;         ///< and its first one
+  bool tool_data = false;       ///< TOOL DEF with the length L and radius R of tool T
+  /// Subprograms: LBL 1, CALL LBL 1, LBL 0; `label` is what stands behind LBL.
+  enum class Flow : std::uint8_t { none, label, call, end };
+  Flow flow = Flow::none;
+  std::string_view label;
   std::array<std::uint16_t, kMaxWords> parameters;  ///< of its words: 203 of Q203
   NumberStyle style;                                ///< of numbers that are written into the block
 

@@ -9,12 +9,10 @@
 #include <utility>
 
 #include "abbe/program/klartext_number.h"
+#include "abbe/program/klartext_scan.h"
 
 namespace abbe {
 namespace {
-
-constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 // The words of each cycle. Those before the zero must stand there: they say where the hole is.
 constexpr std::array kDrill = {200, 201, 203, 204, 0, 206, 202, 210, 211, 395};

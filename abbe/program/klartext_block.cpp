@@ -9,33 +9,22 @@
 
 #include "abbe/program/hole_cycle.h"
 #include "abbe/program/klartext_number.h"
+#include "abbe/program/klartext_scan.h"
 
 namespace abbe {
 namespace {
 
-constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
-constexpr bool is_letter(char c) { return c >= 'A' && c <= 'Z'; }
 constexpr std::size_t kMostDigitsOfBlock = 9;
 
 // Codes as the readers number them.
 constexpr double kRapid = 0, kLine = 1, kClockwise = 2, kCounterClockwise = 3, kInch = 20, kMm = 21,
-                 kMachinePlace = 28, kNoRadius = 40, kLength = 43, kNoLength = 49, kCallCycle = 99;
-
-BlockError not_literal(std::size_t at, std::size_t length, std::string_view said) {
-  return {"E-EXPR",
-          at,
-          std::max<std::size_t>(1, length),
-          fmt::format("{}: not a literal number", said),
-          "where the axes go depends on values that only the control knows when the program runs",
-          "post the program with literal numbers (Q parameters resolved)"};
-}
+                 kMachinePlace = 28, kNoRadius = 40, kLength = 43, kNoLength = 49, kCallCycle = 99,
+                 kTipControl = 128, kNoTipControl = 129;
 
 /// One line on its way to a Block.
-class KlartextLine {
+class KlartextLine : public KlartextScan {
  public:
-  KlartextLine(const Profile& profile, KlartextContext& context, Block& block)
-      : profile_(profile), context_(context), block_(block), text_(block.text) {}
+  using KlartextScan::KlartextScan;
 
   std::optional<BlockError> read() {
     const bool continued = context_.open;
@@ -73,10 +62,13 @@ class KlartextLine {
     if (first == "C" || first == "CR") return read_arc(begin, first == "C");
     if (first == "CC") return read_pole();
     if (first == "TOOL") return read_tool(begin);
-    if (first == "PLANE") return read_plane(begin);
     if (first == "CYCL" || first == "CYCLE") return read_cycle(begin);
     if (first == "BEGIN" || first == "END") return read_frame_of_program(begin, first == "BEGIN");
-    if (first == "BLK" || first == "LBL") return copied();
+    if (first == "BLK") return copied();
+    if (first == "LBL") return read_label(begin, false);
+    if (first == "CALL") return read_call(begin);
+    if (first == "PLANE") return read_plane(begin);
+    if (first == "FUNCTION") return read_tip_control(begin);
     if (first == "STOP") {
       add('M', begin, begin, at_, 0);
       return read_others();
@@ -86,139 +78,46 @@ class KlartextLine {
     return strange(begin, first.size());
   }
 
-  // What stands behind ';' is a comment, a '~' at the end says that the block goes on.
-  void take_tail() {
-    end_ = text_.size();
-    while (end_ > 0 && is_blank(text_[end_ - 1])) --end_;
-    context_.open = end_ > 0 && text_[end_ - 1] == '~';
-    if (context_.open) --end_;
-    const std::size_t comment = text_.substr(0, end_).find(';');
-    if (comment != std::string_view::npos) {
-      block_.has_comment = true;
-      end_ = comment;
-    }
-    while (end_ > 0 && is_blank(text_[end_ - 1])) --end_;
-  }
-  void skip_blanks() {
-    while (at_ < end_ && is_blank(text_[at_])) ++at_;
-  }
-  std::string_view name() {
-    const std::size_t begin = at_;
-    while (at_ < end_ && is_letter(text_[at_])) ++at_;
-    return text_.substr(begin, at_ - begin);
-  }
-  std::optional<BlockError> copied() {
-    block_.has_comment = true;
-    at_ = end_;
-    return std::nullopt;
-  }
-
   // A line behind '~': a parameter of the cycle that is defined, or more of a comment.
   std::optional<BlockError> read_continued() {
     if (context_.definition == nullptr) return copied();
     return context_.cycle != 0 ? read_cycle_words() : read_parameters();
   }
+  // The label behind LBL: a number or a name in quotes, and nothing else.
+  std::optional<BlockError> read_label(std::size_t begin, bool called) {
+    skip_blanks();
+    const std::string_view label = text_.substr(at_, end_ - at_);
+    const bool number = !label.empty() && label.find_first_not_of("0123456789") == std::string_view::npos;
+    const bool name = label.size() > 2 && label.front() == '"' && label.find('"', 1) == label.size() - 1;
+    if (!number && !name)
+      return wrong("E-OWORD", begin, "a label, or a call, in a form that is not known",
+                   "repeats and jumps need other corrections each time",
+                   "post them expanded: the blocks in place of each call");
+    const bool ends = number && label.find_first_not_of('0') == std::string_view::npos;
+    if (ends && called) return strange(begin, 4);
+    block_.flow = called ? Block::Flow::call : ends ? Block::Flow::end : Block::Flow::label;
+    block_.label = label;
+    return copied();
+  }
+  std::optional<BlockError> read_call(std::size_t begin) {
+    skip_blanks();
+    if (name() != "LBL") return strange(begin, 4);
+    return read_label(begin, true);
+  }
+
+  // FUNCTION TCPM, with the words that make it M128, and its end.
+  std::optional<BlockError> read_tip_control(std::size_t begin) {
+    const std::string said = rest();
+    const bool on = said == "TCPM F TCP AXIS POS PATHCTRL AXIS" ||
+                    said == "TCPM F TCP AXIS POS PATHCTRL AXIS REFPNT TIP-TIP";
+    if (!on && said != "RESET TCPM") return strange(begin, 8);
+    at_ = end_;
+    return add('M', begin, begin, end_, on ? kTipControl : kNoTipControl);
+  }
   // Q words of a drilling cycle.
   std::optional<BlockError> read_cycle_words() {
     block_.cycle = static_cast<std::int16_t>(context_.cycle);
     return read_hole_words(context_.cycle, at_, end_, context_.comma, block_);
-  }
-
-  /// The word at `begin` is not one of ours: what the profile says of it.
-  [[nodiscard]] BlockError strange(std::size_t begin, std::size_t length) const {
-    const std::string_view said = text_.substr(begin, std::max<std::size_t>(1, length));
-    const bool variable = (length == 1 && said[0] == 'Q') || (length == 2 && said[1] == 'Q');  // Q5, FQ5
-    if (variable) return not_literal(begin, length, said);
-    if (const Profile::Keyword* keyword = find_keyword(profile_, said))
-      return refused(*keyword, begin, length);
-    if (length == 0) {
-      const auto byte = static_cast<unsigned char>(said[0]);
-      return {"E-CHAR",
-              begin,
-              1,
-              fmt::format("byte 0x{:02X} where a word should begin", byte),
-              "what the block does is not known",
-              "remove it, or put it behind ';'"};
-    }
-    return {"E-GCODE",
-            begin,
-            length,
-            fmt::format("{} is not known to the {} profile", said, profile_.title),
-            "a word that is not understood may move the machine or change a frame",
-            "remove it, or post without it"};
-  }
-  [[nodiscard]] BlockError refused(const Profile::Keyword& keyword, std::size_t begin,
-                                   std::size_t length) const {
-    const CodeUse& use = profile_.g[keyword.index];
-    if (use.refusal == 0) {
-      return {"E-GCODE",
-              begin,
-              length,
-              fmt::format("{} in a form that is not known", keyword.name),
-              "what it does depends on what stands with it",
-              "remove it, or post without it"};
-    }
-    const CodeRefusal& refusal = profile_.refusals[use.refusal - 1U];
-    return {refusal.error.empty() ? "E-GCODE" : refusal.error.c_str(), begin,       length,
-            fmt::format("{} cannot be compensated", keyword.name),     refusal.why, refusal.fix};
-  }
-  [[nodiscard]] BlockError wrong(const char* code, std::size_t begin, std::string message, const char* why,
-                                 const char* fix) const {
-    return {code, begin, std::max<std::size_t>(1, end_ - std::min(end_, begin)), std::move(message),
-            why,  fix};
-  }
-
-  std::optional<BlockError> add(char letter, std::size_t begin, std::size_t number, std::size_t end,
-                                double value, int decimals = 0) {
-    if (block_.count == Block::kMaxWords)
-      return wrong("E-BLOCK", begin, fmt::format("more than {} words in one block", Block::kMaxWords),
-                   "no control accepts such a block", "break the block into several");
-    block_.words[static_cast<std::size_t>(block_.count++)] = {letter,
-                                                              true,
-                                                              static_cast<std::uint16_t>(begin),
-                                                              static_cast<std::uint16_t>(number),
-                                                              static_cast<std::uint16_t>(end),
-                                                              static_cast<std::uint16_t>(decimals),
-                                                              value};
-    return std::nullopt;
-  }
-  std::optional<BlockError> add_code(const Profile::Keyword& keyword, std::size_t begin, std::size_t end) {
-    return add('G', begin, begin, end, static_cast<double>(keyword.index) / 10);
-  }
-
-  // "+10.5", "-0,25": the comma counts as a point. The number begins at or behind at_.
-  std::optional<BlockError> read_value(char letter, std::size_t begin) {
-    skip_blanks();
-    const KlartextNumber number = read_klartext_number(text_.substr(at_, end_ - at_));
-    if (number.length == 0) {
-      const std::size_t n = std::min(end_ - at_, text_.substr(at_).find_first_not_of("0123456789.,+-"));
-      return not_literal(begin, at_ + n + 1 - begin,
-                         text_.substr(begin, std::min(end_, at_ + n + 1) - begin));
-    }
-    block_.style.comma = context_.comma = context_.comma || number.comma;
-    const std::size_t from = at_;
-    at_ += number.length;
-    return add(letter, begin, from, at_, number.value, number.decimals);
-  }
-
-  // X Y Z A B C, with I before X Y Z. False: something else stands here.
-  bool read_coordinate(std::optional<BlockError>& error) {
-    const std::size_t begin = at_;
-    const bool increment = at_ + 1 < end_ && text_[at_] == 'I';
-    const char letter = at_ < end_ ? text_[increment ? at_ + 1 : at_] : '\0';
-    const bool linear = letter >= 'X' && letter <= 'Z', turns = letter >= 'A' && letter <= 'C';
-    const std::size_t behind = begin + (increment ? 2 : 1);
-    if ((!linear && !turns) || (behind < end_ && is_letter(text_[behind]))) return false;
-    at_ = behind;
-    if (increment && turns) {
-      error = wrong("E-ROTARY", begin, "an increment of a rotary axis",
-                    "how it adds up with corrections and whole turns is not sure", "post the angle itself");
-      return true;
-    }
-    if (increment) block_.increments = static_cast<std::uint8_t>(block_.increments | 1U << (letter - 'X'));
-    error = read_value(letter, begin);
-    block_.words_end = static_cast<std::uint16_t>(at_);
-    return true;
   }
 
   // L: rapid if FMAX stands behind it.
@@ -227,15 +126,6 @@ class KlartextLine {
     if (auto error = read_coordinates()) return error;
     return read_others();
   }
-  std::optional<BlockError> read_coordinates() {
-    for (skip_blanks(); at_ < end_; skip_blanks()) {
-      std::optional<BlockError> error;
-      if (!read_coordinate(error)) break;
-      if (error) return error;
-    }
-    return std::nullopt;
-  }
-
   std::optional<BlockError> read_arc(std::size_t begin, bool about_pole) {
     if (auto error = add('G', begin, begin, at_, 0)) return error;
     block_.pole = about_pole ? Block::Pole::used : Block::Pole::none;
@@ -298,10 +188,40 @@ class KlartextLine {
     return std::nullopt;
   }
   std::optional<BlockError> read_function(std::size_t begin) {
-    constexpr double kMachinePlaces = 91;
+    constexpr double kMachinePlaces = 91, kFewerPoints = 124, kRetract = 140;
     if (auto error = read_value('M', begin)) return error;
     Word& code = block_.words[static_cast<std::size_t>(block_.count) - 1];
+    if (code.value == kFewerPoints) return read_distance_of_points(begin);
+    if (code.value == kRetract) return read_retract(code);
     if (code.value == kMachinePlaces) return make_machine_place(code);
+    return std::nullopt;
+  }
+  // M124 T0.01: points closer than that are left out.
+  std::optional<BlockError> read_distance_of_points(std::size_t begin) {
+    const Profile::Keyword* keyword = find_keyword(profile_, "MPOINTS");
+    if (keyword == nullptr) return strange(begin, 1);
+    --block_.count;
+    skip_blanks();
+    if (at_ < end_ && text_[at_] == 'T') {
+      ++at_;
+      if (auto error = read_value('T', begin)) return error;
+      --block_.count;
+    }
+    return add_code(*keyword, begin, at_);
+  }
+  // M140 MB MAX, M140 MB+50: the block's last word.
+  std::optional<BlockError> read_retract(Word& code) {
+    skip_blanks();
+    const std::string_view by = name();
+    skip_blanks();
+    const std::string_view way = text_.substr(at_, end_ - at_);
+    const KlartextNumber number = read_klartext_number(way);
+    if (by != "MB" || (way != "MAX" && (number.length == 0 || number.length != way.size())))
+      return wrong("E-MCODE", code.begin, "M140 in a form that is not known",
+                   "where the tool goes is not sure",
+                   "write M140 MB MAX or M140 MB and a number, at the end of its block");
+    at_ = end_;
+    code.end = static_cast<std::uint16_t>(end_);
     return std::nullopt;
   }
   // M91: the coordinates are the machine's own.
@@ -392,11 +312,23 @@ class KlartextLine {
   }
   std::optional<BlockError> read_tool_definition() {
     skip_blanks();
+    const std::size_t tool = at_;
     while (at_ < end_ && is_digit(text_[at_])) ++at_;
     if (at_ == end_) return copied();
-    return wrong("E-TOOL", at_, "TOOL DEF with data of the tool",
-                 "the length in the program would replace that of the tool table",
-                 "keep tools in the tool table, write TOOL DEF n");
+    at_ = tool;
+    if (auto error = read_value('T', tool)) return error;
+    for (const char letter : {'L', 'R'}) {
+      skip_blanks();
+      const std::size_t word = at_;
+      if (at_ == end_ || text_[at_] != letter) continue;
+      ++at_;
+      if (auto error = read_value(letter, word)) return error;
+      block_.tool_data = true;
+    }
+    skip_blanks();
+    if (at_ == end_ && block_.tool_data) return std::nullopt;
+    return wrong("E-TOOL", at_, "a word of TOOL DEF that is not understood",
+                 "the tool may be another one than in the tool table", "write TOOL DEF n L.. R..");
   }
 
   std::optional<BlockError> read_frame_of_program(std::size_t begin, bool starts) {
@@ -556,11 +488,6 @@ class KlartextLine {
     return strange(at_, 0);
   }
 
-  const Profile& profile_;
-  KlartextContext& context_;
-  Block& block_;
-  std::string_view text_;
-  std::size_t at_ = 0, end_ = 0;
   bool has_feed_ = false;   ///< F or FMAX stood in the block
   bool may_go_on_ = false;  ///< nothing is lost if the next line is taken for text
 };
@@ -581,7 +508,8 @@ std::optional<BlockError> read_klartext_block(std::string_view line, const Profi
   block.pole = Block::Pole::none;
   block.continues = context.open;
   block.cycle = 0;
-  block.defines = false;
+  block.defines = block.tool_data = false;
+  block.flow = Block::Flow::none;
   block.style = {true, context.comma};
   if (auto error = begin_block(line, block)) return error;
   return KlartextLine(profile, context, block).read();

@@ -312,6 +312,9 @@ bool Reading::note_m(const Word& word) {
   out.ends = out.ends || use.meaning == Meaning::end;
   if (use.meaning == Meaning::call_subprogram) out.flow = 1;
   if (use.meaning == Meaning::end_subprogram) out.flow = 2;
+  if (use.meaning == Meaning::shortest_way) out.way = 1;
+  if (use.meaning == Meaning::straight_way) out.way = 2;
+  out.retracts = out.retracts || use.meaning == Meaning::retract_tool;
   if (use.meaning == Meaning::cycle_call) out.cycle_call = 1;
   if (use.meaning == Meaning::cycle_call_modal) out.cycle_call = 2;
   out.after = out.after || use.after;

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace abbe {
@@ -18,5 +19,8 @@ struct Subprogram {
 /// cost     one pass over the file
 inline constexpr std::size_t kMostSubprogramLines = 200000;
 [[nodiscard]] std::optional<Subprogram> find_subprogram(const std::string& path, int number);
+
+/// Finds "LBL 5" of a conversational program, up to the next "LBL 0". errors, cost   as find_subprogram
+[[nodiscard]] std::optional<Subprogram> find_label(const std::string& path, std::string_view label);
 
 }  // namespace abbe

@@ -223,7 +223,8 @@ bool read_block(std::string_view line, const Profile& profile, Block& block, Fau
   block.increments = block.places = 0;
   block.pole = Block::Pole::none;
   block.hole.cycle = block.hole.count = 0;
-  block.hole_begins = false;
+  block.hole_begins = block.tool_data = false;
+  block.flow = Block::Flow::none;
   if (profile.text.conversational)
     return read_klartext_words(line, profile, continued, block, fault, tcp_codes);
   if (profile.text.names) return read_named_words(line, profile, block, fault, tcp_codes);

@@ -46,6 +46,8 @@ struct Continued {
 /// clearing a block costs four stores.
 struct Block {
   static constexpr int kGroups = 16;            ///< LinuxCNC's modal groups of G codes; 11 is rotation
+  static constexpr int kRetracts = 1;           ///< M group: M140
+  static constexpr int kWays = 2;               ///< M group: M126 M127, how rotary axes turn
   static constexpr int kCalls = 3;              ///< M group: M99 M89, calls of a drilling cycle
   static constexpr int kStops = 4;              ///< M group: M0 M1 M2 M30 M60
   static constexpr int kFurtherOffset = 10000;  ///< in the group of work offsets: P says which
@@ -90,6 +92,11 @@ struct Block {
   Pole pole = Pole::none;    ///< CC X Y: sets the centre of the arcs that follow; C: goes about it
   HoleWords hole;            ///< Q words of a drilling cycle that this line (hole.cycle != 0) defines
   bool hole_begins = false;  ///< the line is the first one of the definition
+  bool tool_data = false;    ///< TOOL DEF: T, and L or R of the tool, which are no words to be executed
+  /// LBL 5, CALL LBL 5, LBL 0 of conversational programs; `label` is "5".
+  enum class Flow : std::uint8_t { none, label, call, end };
+  Flow flow = Flow::none;
+  std::string_view label;
   int comment_count = 0;
   std::array<std::string_view, kMaxComments> comments;  ///< with their delimiters
 

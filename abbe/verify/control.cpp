@@ -109,6 +109,14 @@ bool Control::execute(const Block& block, Fault& fault) {
   covets_ = false;
   if (block.pole == Block::Pole::set) return set_pole();
   if (block.hole.cycle != 0) return define_hole();
+  if (block.tool_data) return check_tool();
+  if (block.flow != Block::Flow::none) {
+    add_comments();  // LBL is a text; the reader goes where it says
+    flow_ = block.flow == Block::Flow::call  ? kCallLabel
+            : block.flow == Block::Flow::end ? kEndLabel
+                                             : kLabel;
+    return true;
+  }
   if (block.pointless != 0 && !settle_numbers()) return false;
   return execute_settled();
 }
@@ -266,9 +274,9 @@ bool Control::m_codes() {
   const Block& b = *block_;
   if (b.m_groups == 0) return true;
   if (const int code = b.m_code(6); code >= 0 && !tool_codes(code)) return false;
-  for (const int group : {7, 8, 9, 5})
+  for (const int group : {7, 8, 9, 5, Block::kWays, Block::kRetracts})
     if ((b.m_after >> group & 1) == 0 && !m_code(group)) return false;
-  return true;
+  return ways_agree() && retract();
 }
 
 bool Control::tool_codes(int code) {

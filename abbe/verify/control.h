@@ -68,6 +68,9 @@ class Control {
   [[nodiscard]] bool ended() const { return ended_; }
   /// The subprogram that the block calls, 0: none, -1: the running one ends. Asked once per block.
   [[nodiscard]] int flow() const { return flow_; }
+  /// Of a conversational program: LBL was called (label() says which), LBL 0, or LBL stands here.
+  static constexpr int kCallLabel = 10001, kEndLabel = -2, kLabel = 10002;
+  [[nodiscard]] std::string_view label() const { return block_->label; }
   void flow_followed() { flow_ = 0; }
 
  private:
@@ -144,6 +147,9 @@ class Control {
 
   // control_holes.cpp
   bool define_hole();
+  bool check_tool();
+  bool ways_agree();
+  bool retract();
   bool drill();
   bool may_drill(int call);
   // control_cutter.cpp

@@ -1,4 +1,9 @@
-// Drilling cycles of conversational programs: CYCL DEF 200 .. 209, called by M99, CYCL CALL and M89.
+// What only conversational programs have: drilling cycles (CYCL DEF 200 .. 209, called by M99, CYCL CALL and
+// M89), tools that the program describes, M126, M127 and M140.
+#include <fmt/format.h>
+
+#include <cmath>
+
 #include "abbe/verify/control.h"
 
 namespace abbe::verifying {
@@ -24,6 +29,48 @@ bool Control::define_hole() {
       return refuse(1, "E-CYCLE", "a Q word twice in one cycle", "it is not defined which one holds",
                     "keep one");
   }
+  return true;
+}
+
+/// TOOL DEF n L R: nothing happens as long as the table says the same.
+bool Control::check_tool() {
+  int number = 0;
+  if (!whole_word('T', number, "E-TOOL")) return false;
+  const auto entry = tools_.find(number);
+  constexpr double same = 1e-9;  // mm
+  if (entry == tools_.end())
+    return refuse_at('T', "E-TOOL", fmt::format("TOOL DEF of tool {}, which is in no table", number),
+                     "which length the control takes is not sure", "put it into the tool table");
+  if (block_->has('L') && !(std::abs(length_word('L') - entry->second.offset[2]) <= same))
+    return refuse_at('L', "E-TOOL", "TOOL DEF and the tool table differ in the length",
+                     "which one the control takes is not sure", "make them the same");
+  add_comments();
+  return true;
+}
+
+/// M126 and M127 may only say how the rotary axes turn anyway.
+bool Control::ways_agree() {
+  const int code = block_->m_code(Block::kWays);
+  if (code < 0 || rotary_ == nullptr) return true;
+  const Turning said = code == 126 ? Turning::shortest : Turning::linear;
+  for (int k = 0; k < 3; ++k)
+    if (rotary_->has(k) && rotary_->turning(k) != said)
+      return refuse(block_->m_column[Block::kWays], "E-ROTARY", "M126 or M127 against the machine file",
+                    "the axis would turn the other way round", "state in [control] how it turns");
+  return true;
+}
+
+/// M140: where the tool is along its axis is not known then.
+bool Control::retract() {
+  if (block_->m_code(Block::kRetracts) < 0) return true;
+  if (motion_code_ >= 0 && (block_->words & (letters('X', 'Y', 'Z') | letters('A', 'B', 'C'))) != 0)
+    return refuse(1, "E-MCODE", "M140 beside a motion", "their order is not sure", "use two blocks");
+  bool turns = false;
+  for (int k = 0; k < 3 && rotary_ != nullptr; ++k) turns = turns || rotary_->has(k);
+  m_.known &= turns ? 0u : 3u;
+  for (int i = 0; i < 3; ++i)
+    if ((m_.known >> i & 1) == 0) m_.at[i] = 0;
+  u_ = program_of(frames_, m_);
   return true;
 }
 

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
 #include <string>
 
 #include "abbe/core/number.h"
@@ -113,24 +114,102 @@ class KlartextScanner : public WordTaker {
     if (first == "TOOL" && item(1) == "CALL") return tool_call();
     if (first == "TOOL" && item(1) == "DEF") {
       const bool number_only = count_ == 3 && item(2).find_first_not_of(kDigits) == std::string_view::npos;
-      return number_only ? keep_text(whole_)
-                         : bad(first, "E-TOOL", "TOOL DEF that is more than a number",
-                               "tools of the program differ from those of the table", "use the tool table");
+      return number_only ? keep_text(whole_) : tool_data();
     }
     if (first == "PLANE") return plane();
+    if (first == "LBL" || (first == "CALL" && item(1) == "LBL")) return label(first == "CALL");
+    if (whole_is({"FUNCTION", "RESET", "TCPM"})) return m_word(129, column(first));
+    if (whole_is({"FUNCTION", "TCPM", "F", "TCP", "AXIS", "POS", "PATHCTRL", "AXIS"}) ||
+        whole_is({"FUNCTION", "TCPM", "F", "TCP", "AXIS", "POS", "PATHCTRL", "AXIS", "REFPNT", "TIP-TIP"}))
+      return m_word(128, column(first));
     if ((first == "CYCL" || first == "CYCLE") && item(1) == "DEF") return definition();
     if (first == "CYCL" && item(1) == "CALL") {
       column(items_[1]);
       return m_word(99, 1) && functions(2);
     }
     if ((first == "BEGIN" || first == "END") && item(1) == "PGM") return limit(first);
-    if (first == "BLK" || first == "LBL") return keep_text(whole_);
+    if (first == "BLK") return keep_text(whole_);
     if (first == "STOP") {
       column(first);
       return m_word(0, 1) && functions(1);
     }
     if (first[0] == 'M') return functions(0);
     return unknown(first);
+  }
+
+  [[nodiscard]] bool whole_is(std::initializer_list<std::string_view> words) const {
+    return count_ == words.size() && std::equal(words.begin(), words.end(), items_.begin());
+  }
+  /// A block that is one code, by the name that the profile has for it.
+  bool named(std::string_view said, const char* name) {
+    const Profile::Keyword* word = find_keyword(profile_, name);
+    return word != nullptr ? keyword(*word, whole_, column(said)) : unknown(said);
+  }
+
+  /// "5" or "\"NAME\"" behind LBL or CALL LBL; nothing may follow, REP least of all.
+  bool label(bool called) {
+    const std::string_view first = item(called ? 2 : 1);
+    const auto from = first.empty() ? whole_.size() : static_cast<std::size_t>(first.data() - whole_.data());
+    const std::string_view said = whole_.substr(from);
+    const bool number = !said.empty() && said.find_first_not_of(kDigits) == std::string_view::npos;
+    const bool quoted = said.size() > 2 && said[0] == '"' && said.find('"', 1) + 1 == said.size();
+    const bool zero = number && said.find_first_not_of('0') == std::string_view::npos;
+    if ((!number && !quoted) || (called && zero))
+      return bad(items_[0], "E-OWORD", "a label or call that is more than its name",
+                 "what runs, and how often, is not known", "expand repeats and calls");
+    block_.flow = called ? Block::Flow::call : zero ? Block::Flow::end : Block::Flow::label;
+    block_.label = said;
+    return keep_text(whole_);
+  }
+
+  /// "TOOL DEF 5 L+10 R+3".
+  bool tool_data() {
+    block_.tool_data = true;
+    std::size_t i = 2;
+    for (const char letter : {'T', 'L', 'R'}) {
+      const std::string_view said = item(i);
+      if (said.empty() || (letter != 'T' && said[0] != letter)) continue;
+      std::string_view digits = said.substr(letter == 'T' ? 0 : 1);
+      if (digits.empty()) digits = item(++i);
+      double value = 0;
+      if (!number(digits, said, value) || !value_word(letter, value, column(said), false)) return false;
+      ++i;
+    }
+    constexpr Letters tool = letters('T');
+    if (i == count_ && block_.has('T') && block_.words != tool) return keep_text(whole_);
+    return bad(items_[0], "E-TOOL", "TOOL DEF with other words than a number, L and R",
+               "the tool may be another one", "write TOOL DEF n L.. R..");
+  }
+
+  /// The rest of an M code that has words of its own, from item i on; `i` becomes the last of them.
+  bool points(std::size_t& i, std::string_view said) {
+    const Profile::Keyword* word = find_keyword(profile_, "MPOINTS");
+    if (word == nullptr) return unknown(said);
+    std::string_view end = items_[i];
+    if (item(i + 1).substr(0, 1) == "T") {
+      std::string_view digits = items_[++i].substr(1);
+      if (digits.empty()) digits = item(++i);
+      double value = 0;
+      if (!number(digits, said, value)) return false;
+      end = items_[std::min(i, count_ - 1)];
+    }
+    return keyword(*word, from_to(said, end), column(said));
+  }
+  bool retract(std::size_t& i, std::string_view said) {
+    const std::string_view by = item(i + 1);
+    std::string_view way = by.substr(std::min<std::size_t>(2, by.size()));
+    i += 1;
+    if (way.empty()) way = item(++i);
+    double value = 0;
+    const bool read = way == "MAX" || (!way.empty() && number(way, said, value));
+    if (!begins(by, "MB") || !read || i + 1 != count_)
+      return bad(said, "E-MCODE", "M140 in another form", "where the tool goes is not sure",
+                 "write M140 MB MAX or MB and a number at the end");
+    const std::string_view text = from_to(said, items_[i]);
+    return keep_text(text) && m_word(140, column(said));
+  }
+  [[nodiscard]] static std::string_view from_to(std::string_view first, std::string_view last) {
+    return {first.data(), static_cast<std::size_t>(last.data() - first.data()) + last.size()};
   }
 
   bool unknown(std::string_view said) {
@@ -253,6 +332,10 @@ class KlartextScanner : public WordTaker {
         if (!digits.empty() && digits[0] >= 'A' && digits[0] <= 'Z' && digits[0] != 'Q') return unknown(said);
         if (digits.empty()) digits = item(++i);
         if (!number(digits, said, value)) return false;
+        if (said[0] == 'M' && (value == 124 || value == 140)) {
+          if (!(value == 124 ? points(i, said) : retract(i, said))) return false;
+          continue;
+        }
         if (said[0] == 'M' ? !function(value, said) : !value_word(said[0], value, column(said), false))
           return false;
       } else {

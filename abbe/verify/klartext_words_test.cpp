@@ -161,6 +161,69 @@ TEST(KlartextWords, WhateverChangesIsFound) {
     EXPECT_FALSE(compared(changed(from, to)).agrees) << from << " became " << to;
 }
 
+constexpr const char* kTip =
+    "0 BEGIN PGM T MM\n1 TOOL CALL 1 Z\n2 L X+0 Y+0 Z+300 B+30 C+10 R0 FMAX\n3 M128\n"
+    "4 L X+0 Y+5 Z+200 FMAX\n5 L X+100 F500\n6 L X+110 B+20\n7 M129\n8 L X+0 Y+0 Z+400 FMAX\n"
+    "9 CALL LBL 1\n10 TOOL DEF 1 L+100\n11 M126\n12 M140 MB MAX\n13 L X+0 Y+0 Z+300 FMAX\n14 M30\n"
+    "15 LBL 1\n16 L X+5 F500\n17 LBL 0\n18 END PGM T MM\n";
+
+/// With rotary axes of the head that turn the shortest way, and M128 that controls the tip.
+VerifyReport compared_tips(const std::string& output, const std::string& original = kTip) {
+  return verify(
+      plan_of("format = 1\n[machine]\nname = \"m\"\nchain = \"w b X Y Z C B t\"\n[control]\n"
+              "mode = \"axis\"\ncodes = { M128 = \"tcp\", M129 = \"axis\" }\n"
+              "[axis.B]\ndirection = [0, 1, 0]\n[axis.C]\ndirection = [0, 0, 1]\n"
+              "[control.axis.B]\nturning = \"shortest\"\n[control.axis.C]\nturning = \"shortest\"\n"),
+      original, output, heidenhain_job());
+}
+
+TEST(KlartextWords, TipsSubprogramsAndToolsAreFollowed) {
+  ASSERT_TRUE(compared_tips(kTip).agrees) << texts(compared_tips(kTip));
+  const std::vector<std::pair<std::string, std::string>> changes = {{"3 M128\n", ""},
+                                                                    {"3 M128", "3 M129"},
+                                                                    {"7 M129\n", ""},
+                                                                    {"B+30", "B-30"},
+                                                                    {"C+10", "C-10"},
+                                                                    {"B+20", "B+20.1"},
+                                                                    {"X+110 B+20", "X+110"},
+                                                                    {"L X+100 F500", "L X+100.01 F500"},
+                                                                    {"9 CALL LBL 1\n", ""},
+                                                                    {"CALL LBL 1", "CALL LBL 2"},
+                                                                    {"16 L X+5", "16 L X+5.01"},
+                                                                    {"16 L X+5 F500\n", ""},
+                                                                    {"F500\n17", "F600\n17"},
+                                                                    {"TOOL DEF 1 L+100", "TOOL DEF 1 L+101"},
+                                                                    {"11 M126\n", ""},
+                                                                    {"M126", "M127"},
+                                                                    {"12 M140 MB MAX\n", ""},
+                                                                    {"MB MAX", "MB+50"}};
+  for (const auto& [from, to] : changes) {
+    std::string text = kTip;
+    ASSERT_NE(text.find(from), std::string::npos) << from;
+    text.replace(text.find(from), from.size(), to);
+    EXPECT_FALSE(compared_tips(text).agrees) << from << " became " << to;
+  }
+  const std::vector<std::pair<std::string, std::string>> refused = {
+      {"9 CALL LBL 1\n", "9 CALL LBL 1\nCALL LBL 1\n"},
+      {"CALL LBL 1", "CALL LBL 1 REP 2"},
+      {"CALL LBL 1", "CALL LBL 0"},
+      {"14 M30\n", ""},
+      {"17 LBL 0\n", ""},
+      {"17 LBL 0", "17 M30"},
+      {"M126", "M127"},
+      {"TOOL DEF 1 L+100", "TOOL DEF 7 L+100"},
+      {"TOOL DEF 1 L+100", "TOOL DEF 1 L+100 X+3"},
+      {"M140 MB MAX", "M140"},
+      {"M140 MB MAX", "L X+5 FMAX M140 MB MAX"},
+      {"12 M140", "12 FUNCTION TCPM F CONT\nM140"}};
+  for (const auto& [from, to] : refused) {
+    std::string text = kTip;
+    ASSERT_NE(text.find(from), std::string::npos) << from;
+    text.replace(text.find(from), from.size(), to);
+    EXPECT_FALSE(compared_tips(text, text).agrees) << from << " became " << to;
+  }
+}
+
 TEST(KlartextWords, NumbersOfBlocksMayGrow) {
   EXPECT_TRUE(compared(changed("23 END", "77 END")).agrees);
   EXPECT_TRUE(compared(changed("22 LBL 2", "22  LBL 2")).agrees);
@@ -197,6 +260,7 @@ TEST(KlartextWords, WhatIsNotUnderstoodIsRefused) {
                            "L X+1Y+2",
                            "FN 0: Q1 = 5",
                            "TOOL DEF 3 L+5 R+1",
+                           "TOOL DEF 1 L+101",
                            "TOOL CALL 1 Z DL+0.1",
                            "TOOL CALL 1 X",
                            "L IX+1 M91",

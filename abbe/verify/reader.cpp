@@ -38,6 +38,39 @@ struct Call {
   std::size_t at = 0;  ///< the current one
 };
 
+/// What a line of a conversational program labels: "5" of "12 LBL 5 ;TEXT"; empty: nothing.
+std::string_view label_in(std::string_view line) {
+  long number = 0;
+  std::string_view words = trimmed(behind_block_number(line, number));
+  words = trimmed(words.substr(0, words.find(';')));
+  const bool label = words.size() > 4 && words.substr(0, 3) == "LBL" && (words[3] == ' ' || words[3] == '\t');
+  return label ? trimmed(words.substr(4)) : std::string_view();
+}
+
+/// From LBL to the next LBL 0. Empty if the label does not stand exactly once in the file.
+Call lines_of_label(const std::string& path, FileGrowth* growth, std::string_view label) {
+  constexpr std::size_t most = 200000;
+  const std::string wanted(label);
+  Call call;
+  auto opened = LineReader::open(path, false, growth);
+  if (std::holds_alternative<FileError>(opened)) return call;
+  auto& lines = std::get<LineReader>(opened);
+  bool taking = false;
+  while (const auto next = lines.next()) {
+    const std::string_view text = without_eol(*next), here = label_in(text);
+    if (here == wanted) {
+      if (!call.lines.empty()) return {};
+      call.first = lines.line_number();
+      taking = true;
+    }
+    if (!taking) continue;
+    if (lines.too_long() || call.lines.size() == most) return {};
+    call.lines.emplace_back(text);
+    taking = here.empty() || here.find_first_not_of('0') != std::string_view::npos;
+  }
+  return call;
+}
+
 /// Empty if the number does not stand at the start of exactly one line.
 Call lines_of_subprogram(const std::string& path, FileGrowth* growth, int number) {
   constexpr std::size_t most = 200000;
@@ -105,6 +138,10 @@ struct ProgramReader::State {
         }
         has_block = false;
         in_tail = control.ended();
+        if (in_tail && !calls.empty()) {
+          refuse_flow("the program ends inside a subprogram");
+          continue;
+        }
         if (control.flow() != 0) [[unlikely]] {
           follow_flow(control.flow());
           control.flow_followed();
@@ -119,16 +156,13 @@ struct ProgramReader::State {
 
   /// Enters the subprogram, or leaves the running one.
   void follow_flow(int flow) {
-    const auto refuse_flow = [&](const char* message) {
-      fault = {"E-OWORD",
-               1,
-               1,
-               message,
-               "what the control does then is not known",
-               "call subprograms that stand behind the program in its file"};
-      refuse();
-    };
+    if (flow == Control::kLabel) {
+      for (const auto& [first, end] : ran)
+        if (calls.empty() && line() == first) refuse_flow("a subprogram that was called comes again");
+      return;
+    }
     if (flow < 0) {
+      if (calls.empty() && flow == Control::kEndLabel) return;  // the label of nothing
       if (calls.empty()) return refuse_flow("M99 where no subprogram runs");
       ran.emplace_back(calls.back().first, line() + 1);
       calls.pop_back();
@@ -136,14 +170,39 @@ struct ProgramReader::State {
     }
     constexpr std::size_t deepest = 4;
     if (calls.size() == deepest) return refuse_flow("too many subprograms inside each other");
-    Call call = lines_of_subprogram(path, options.growth, flow);
+    Call call = flow == Control::kCallLabel ? lines_of_label(path, options.growth, control.label())
+                                            : lines_of_subprogram(path, options.growth, flow);
     if (call.lines.empty()) return refuse_flow("a subprogram that is not in this file once");
+    if (conversational && !may_call(call)) return;
     calls.push_back(std::move(call));
+    called_open = {};
     text = calls.back().lines.front();
+    if (conversational) {
+      long number = 0;
+      text = behind_block_number(text, number);
+    }
     report(EventKind::comment);
     single.text = text;
   }
 
+  void refuse_flow(const char* message) {
+    fault = {"E-OWORD",
+             1,
+             1,
+             message,
+             "what the control does then is not known",
+             "call subprograms that stand behind the program in its file"};
+    refuse();
+  }
+
+  /// A label is called once, from before it.
+  bool may_call(const Call& call) {
+    bool again = call.first <= main_line();
+    for (const auto& [first, end] : ran) again = again || first == call.first;
+    for (const Call& running : calls) again = again || running.first == call.first;
+    if (again) refuse_flow("a label that runs a second time, or stands before its call");
+    return !again;
+  }
   /// Block numbers grow from block to block; they are no part of what the line says. False: refused.
   bool count_block() {
     if (continued[row].open) return true;
@@ -175,6 +234,8 @@ struct ProgramReader::State {
       return refuse();
     }
     text = call.lines[call.at];
+    now = called_open;
+    if (conversational) called_open = continued_after(text, called_open);
     read_text();
   }
 
@@ -183,6 +244,7 @@ struct ProgramReader::State {
       return read_called_line();
     if (++row == rows && !read_rows()) return;
     text = texts[row];
+    now = continued[row];
     deletable = false;
     if (conversational && !count_block()) return;
     if (in_tail) {
@@ -313,11 +375,10 @@ struct ProgramReader::State {
     const bool numbered = first_block && names && program_number(first, words);
     // The words start elsewhere behind a program number or a tape leader.
     const Block& block = blocks[row];
-    const bool understood =
-        (words.data() == texts[row].data() && readable[row]) ||
-        read_block(words, control.profile(), blocks[row], fault, tcp_codes(), continued[row]);
-    const bool says_something = block.hole.cycle != 0 || block.words != 0 ||
-                                block.pole != Block::Pole::none || block.g_groups != 0 ||
+    const bool understood = (words.data() == texts[row].data() && readable[row]) ||
+                            read_block(words, control.profile(), blocks[row], fault, tcp_codes(), now);
+    const bool says_something = block.hole.cycle != 0 || block.flow != Block::Flow::none ||
+                                block.words != 0 || block.pole != Block::Pole::none || block.g_groups != 0 ||
                                 block.m_groups != 0 || block.extra_count != 0 || block.tcp_code >= 0;
     if (numbered && says_something) {
       fault = {"E-OWORD",
@@ -361,6 +422,10 @@ struct ProgramReader::State {
   [[nodiscard]] std::uint64_t line() const {
     if (!calls.empty()) [[unlikely]]
       return calls.back().first + calls.back().at;
+    return main_line();
+  }
+  /// The line to which the program itself has come.
+  [[nodiscard]] std::uint64_t main_line() const {
     return lines.line_number() - (rows == 0 ? 0 : rows - 1 - row);
   }
 
@@ -423,6 +488,7 @@ struct ProgramReader::State {
   bool has_block = false;  ///< the block in `control` is being handed out
   std::size_t event_index = 0, after_index = 0;
   bool motion_given = false, hole_given = false;
+  Continued now, called_open;     ///< what the lines before the current one leave open, and in a subprogram
   const Motion* given = nullptr;  ///< the motion of the current item
   const Event* current = nullptr;
 

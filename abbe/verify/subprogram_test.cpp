@@ -58,6 +58,7 @@ TEST(Subprograms, WhatIsNotSureIsRefused) {
                                                                                  {"M98 P2", "M98 P7"},
                                                                                  {"M98 P2", "M98 P2 X1."},
                                                                                  {"M98 P2", "M99"},
+                                                                                 {"N5 Y20.", "M30"},
                                                                                  {"M99\n", ""},
                                                                                  {"O2 (SUB)", "%\nO2 (SUB)"},
                                                                                  {"M98 P2", "M98"},

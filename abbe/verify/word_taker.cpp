@@ -186,10 +186,13 @@ constexpr Seat seat_of(Meaning meaning) {
     case Meaning::cycle_call_modal:
       return {Block::kCalls, 89};
     case Meaning::hole_cycle:
-    case Meaning::retract_tool:
-    case Meaning::shortest_way:
-    case Meaning::straight_way:
       break;
+    case Meaning::retract_tool:
+      return {Block::kRetracts, -1};
+    case Meaning::shortest_way:
+      return {Block::kWays, 126};
+    case Meaning::straight_way:
+      return {Block::kWays, 127};
     case Meaning::tool_change:
       return {6, 6};
     case Meaning::set_tool:
