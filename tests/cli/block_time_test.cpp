@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "machines.h"
 #include "run_program.h"
 
 namespace abbe::cli {
@@ -15,19 +16,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 
 /// Z sags by 2e-6 x^2 mm.
-constexpr const char* kSagging = R"(format = 1
-[machine]
-name = "sagging"
-chain = "w b X Y Z t"
-[axis.X]
-range = [-500, 500]
-[axis.Y]
-range = [-500, 500]
-[axis.Z]
-range = [-500, 500]
-[errors]
-EZX = { poly = [0, 0, 0.002] }
-)";
+const std::string kSagging = with_errors(kThreeAxes, "EZX = { poly = [0, 0, 0.002] }\n");
 
 class BlockTime : public ::testing::Test {
  protected:
