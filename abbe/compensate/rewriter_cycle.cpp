@@ -220,7 +220,7 @@ bool Rewriter::keeps_shape(double residual) {
 void Rewriter::note_way_out(const Holes& holes, const Vec3& shift) {
   std::array<signed char, 3> upwards = approach_;
   upwards[static_cast<std::size_t>(holes.n)] = 1;
-  if (!field_.depends_on_direction()) return;
+  if (!job_.reversal || !field_.depends_on_direction()) return;
   for (const double h : {holes.r, holes.z}) {
     Vec3 at = (holes.first + holes.last()) / 2;
     at[holes.n] = h;

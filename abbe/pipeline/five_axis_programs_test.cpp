@@ -121,6 +121,7 @@ TEST(FiveAxisPrograms, AreVerifiedOnMachinesOfEveryStructure) {
     EXPECT_LE(result.outcome.verify.after.max, (drills ? 2 : 1) * result.outcome.verify.allowed)
         << "seed " << seed;
     EXPECT_GT(result.outcome.verify.before.max, result.outcome.verify.after.max) << "seed " << seed;
+    EXPECT_GT(result.outcome.rewrite.max_gradient, 0) << "seed " << seed;
     ++done;
   }
   EXPECT_EQ(done, seeds.count);

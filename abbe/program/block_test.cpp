@@ -89,5 +89,14 @@ TEST(Block, AnyBytesGiveABlockOrAnError) {
   }
 }
 
+TEST(Block, AChecksumIsCalledOne) {
+  Block block;
+  const auto error = read_block("N10 G1 X5*71", block);
+  ASSERT_TRUE(error);
+  EXPECT_STREQ(error->code, "E-CHAR");
+  EXPECT_EQ(error->column, 9U);
+  EXPECT_NE(error->message.find("checksum"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace abbe

@@ -265,5 +265,21 @@ TEST(Verify, StopsWhenAsked) {
   EXPECT_FALSE(report.agrees);
 }
 
+/// Ten pieces of 20.6 mm at 500 mm/min last 2.47 s each; a motion that is not split may be as short as it is.
+TEST(Verify, PiecesMustNotBeFasterThanTheControlReads) {
+  VerifyJob job = ideal_job();
+  job.block_time = 2.4;
+  EXPECT_TRUE(verify_drawn(split_line, job).agrees);
+  EXPECT_TRUE(verify_drawn(rapid_lines, job).agrees);
+  EXPECT_TRUE(verify_drawn(split_line_inverse_time, job).agrees);  // 60 s / 20
+  job.block_time = 2.6;
+  const VerifyReport fast = verify_drawn(split_line, job);
+  ASSERT_FALSE(fast.agrees);
+  EXPECT_EQ(fast.diagnostics.front().code, "V-FEED") << texts(fast);
+  EXPECT_TRUE(verify_drawn(rapid_lines, job).agrees);
+  job.block_time = 3.1;
+  EXPECT_FALSE(verify_drawn(split_line_inverse_time, job).agrees);
+}
+
 }  // namespace
 }  // namespace abbe::verifying

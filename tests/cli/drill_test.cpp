@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "machines.h"
 #include "run_program.h"
 
 namespace abbe::cli {
@@ -14,19 +15,7 @@ using nlohmann::json;
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-constexpr const char* kLeaning = R"(format = 1
-[machine]
-name = "leaning"
-chain = "w b X Y Z t"
-[axis.X]
-range = [-500, 500]
-[axis.Y]
-range = [-500, 500]
-[axis.Z]
-range = [-500, 500]
-[errors]
-EXZ = { poly = [0, 0.2] }
-)";
+const std::string kLeaning = with_errors(kThreeAxes, "EXZ = { poly = [0, 0.2] }\n");
 
 TEST(ExpandDrill, IsAskedForReportedAndVerified) {
   const Folder folder;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 namespace abbe::cli {
 
 /// Table X, column Y, head Z, with errors whose effect is worked out in the head: EXX 0.1 um/mm as seen
@@ -40,5 +42,12 @@ length = 200
 EXX = { poly = [0, 0.1] }
 EY0A = 10
 )";
+
+/// A machine text with other errors.
+inline std::string with_errors(std::string machine, const std::string& errors) {
+  constexpr const char* kErrors = "[errors]\n";
+  machine.erase(machine.find(kErrors));
+  return machine + kErrors + errors;
+}
 
 }  // namespace abbe::cli
