@@ -19,6 +19,30 @@ constexpr std::array<std::uint8_t, 256> make_places() {
 }
 constexpr std::array<std::uint8_t, 256> kPlaces = make_places();
 
+/// Behind "N120" and "G1" or "G01", one blank behind each included; null if the line begins otherwise.
+const char* behind_prefix(const char* p, const char* end, bool& spaced) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  const auto gap = [&](const char* at, bool first) {
+    const bool blank = at != end && *at == ' ';
+    if (first) spaced = blank;
+    return at + (blank ? 1 : 0);
+  };
+  const char* const begin = p;
+  if (*p == 'N') {
+    constexpr std::ptrdiff_t kMostDigits = 9;
+    const char* const digits = ++p;
+    while (p != end && is_digit(*p)) ++p;
+    if (p == digits || p - digits > kMostDigits) return nullptr;
+    p = gap(p, true);
+  }
+  if (p == end || *p != 'G') return p;
+  const bool first = p == begin;
+  ++p;
+  if (p != end && *p == '0') ++p;
+  if (p == end || *p != '1') return nullptr;
+  return gap(p + 1, first);
+}
+
 }  // namespace
 
 bool read_plain_line(std::string_view bytes, PlainLine& line) {
@@ -31,7 +55,9 @@ bool read_plain_line(std::string_view bytes, PlainLine& line) {
   if (text.empty() || text.size() > kMaxBlockBytes) return false;
   const char* const begin = text.data();
   const char* const end = begin + text.size();
-  for (const char* p = begin; p != end;) {
+  const char* const words = behind_prefix(begin, end, line.spaced);
+  if (words == nullptr) return false;
+  for (const char* p = words; p != end;) {
     const std::size_t place = kPlaces[static_cast<unsigned char>(*p)];
     if (place == kNoPlace || line.has(place)) return false;
     PlainLine::Number& number = line.numbers[place];
@@ -46,7 +72,7 @@ bool read_plain_line(std::string_view bytes, PlainLine& line) {
     p = behind;
     if (p == end) break;
     const bool blank = *p == ' ';
-    if (line.count == 1) line.spaced = blank;
+    if (line.count == 1 && words == begin) line.spaced = blank;
     if (blank && ++p == end) return false;  // a blank at the end
   }
   return (line.named & ~(1u << PlainLine::kFeed)) != 0;

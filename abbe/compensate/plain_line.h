@@ -6,8 +6,9 @@
 
 namespace abbe {
 
-/// A line that is nothing but axis words and perhaps a feed: "X1.5 Y2. F800". No blanks but one
-/// between words, capitals, no word twice, numbers without a plus sign.
+/// A line that is nothing but axis words and perhaps a feed, with or without N and G1 before them:
+/// "N10 G1 X1.5 Y2. F800". No blanks but one between words, capitals, no word twice, numbers without
+/// a plus sign.
 struct PlainLine {
   static constexpr std::size_t kFeed = 6;  ///< place of F behind X Y Z A B C
   struct Number {

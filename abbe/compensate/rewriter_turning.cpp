@@ -244,9 +244,9 @@ std::optional<Rewriter::Stop> Rewriter::stop_at(const Move& move, double s, cons
   return stop;
 }
 
-// Both stops were solved for, and what is between them follows.
+// Where both stops are right but for rounding: what is between them is, too.
 bool Rewriter::sure_of(const Move& move, const Stop& a, const Stop& b) const {
-  if (tcp_ || (a.s == 0 && !start_corrected_)) return false;
+  if (tcp_) return false;
   Move part;
   part.m0 = move.m0 + a.s * (move.m1 - move.m0);
   part.m1 = move.m0 + b.s * (move.m1 - move.m0);
@@ -263,7 +263,11 @@ bool Rewriter::bends(const Move& move, const Stop& a, const Stop& b, double tole
   double angle = 0;
   for (std::size_t k = 0; k < 3; ++k) angle = std::max(angle, std::abs(b.turns[k] - a.turns[k]));
   if (length < kShortestPiece && angle < kSmallestTurn) return false;
-  if (sure_of(move, a, b)) return false;
+  Stance first{move.turns0, a.turns, tcp_};
+  for (std::size_t k = 0; k < 3; ++k) first.commanded[k] += a.s * (move.turns1[k] - move.turns0[k]);
+  field_.set_stance(first);
+  const double at_start = field_.miss(move.m0 + a.s * (move.m1 - move.m0), a.m).position;
+  if (at_start <= rounded_away() && sure_of(move, a, b)) return false;
   const double direction = std::max(a.direction, b.direction) + kDirectionTolerance;
   const int looks =
       std::clamp(static_cast<int>(std::ceil(std::max(length / kLookSpacing, angle / kLookTurn))),

@@ -13,9 +13,9 @@ constexpr double kNearEnd = 1e-5;
 constexpr double kConverged = 1e-3;
 // A radian of it counts as much as this, mm (Kernel::correct_poses).
 constexpr double kRadian = 300;
-// What is left behind a Newton step, as a part of it, and what rounding leaves in any case: twenty times what
-// was found on machines with errors of 100 um and 100 urad.
-constexpr double kLeft = 1e-3, kRoundedTurn = 2e-11, kRoundedPlace = 2e-9;
+// What is left behind a Newton step, as a part of it: five times what was found on machines with errors of
+// 100 um and 100 urad. Besides, the field's own answers are left as far from the solution when they end.
+constexpr double kLeft = 1e-3, kFieldTurn = 2e-10, kFieldPlace = 2e-8;
 
 template <class Row>
 std::array<Row*, kernel::kMaxFlatAxes> rows_of(auto& rows) {
@@ -86,8 +86,11 @@ void TurningPacket::stand(std::size_t i, const Turns& turns) {
 void TurningPacket::settle(std::size_t count) {
   const auto from = rows_of<const double>(commanded_), start = rows_of<const double>(found_);
   const auto to = rows_of<double>(found_);
-  kernel_->settle_poses(flat_->view(), setting_, from.data(), start.data(), count, to.data(),
-                        place_steps_.data(), lanes_.data());
+  // The first step is as long as rounding turns the tip, and would leave doubt about some digits.
+  constexpr int kSteps = 2;
+  for (int i = 0; i < kSteps; ++i)
+    kernel_->settle_poses(flat_->view(), setting_, from.data(), start.data(), count, to.data(),
+                          place_steps_.data(), lanes_.data());
 }
 
 bool TurningPacket::within_travels(std::size_t i) const {
@@ -102,7 +105,7 @@ bool TurningPacket::ordinary(std::size_t i) const {
 }
 
 double TurningPacket::turn_doubt(std::size_t i) const {
-  return kLeft * turn_steps_[i] / kRadian + kRoundedTurn;
+  return kLeft * turn_steps_[i] / kRadian + kFieldTurn;
 }
 
 Vec3 TurningPacket::place(std::size_t i) const {
@@ -110,6 +113,6 @@ Vec3 TurningPacket::place(std::size_t i) const {
   return {at(0), at(1), at(2)};
 }
 
-double TurningPacket::place_doubt(std::size_t i) const { return kLeft * place_steps_[i] + kRoundedPlace; }
+double TurningPacket::place_doubt(std::size_t i) const { return kLeft * place_steps_[i] + kFieldPlace; }
 
 }  // namespace abbe

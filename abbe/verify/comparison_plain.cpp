@@ -85,8 +85,10 @@ bool Comparison::commands_agree(const PlainLane::End& from, const PlainLane::End
     turns = turns || way != 0;
   }
   const double way = (to.original.m - from.original.m).norm(), now = (to.output.m - from.output.m).norm();
-  return turns && to.original.states_feed == to.output.states_feed && to.original.feed == to.output.feed &&
-         way > kNoWay && std::abs(now - way) <= kFeedChange * way &&
+  const bool same_words =
+      to.original.states_feed == to.output.states_feed && to.original.feed == to.output.feed &&
+      to.original.states_number == to.output.states_number && to.original.number == to.output.number;
+  return turns && same_words && way > kNoWay && std::abs(now - way) <= kFeedChange * way &&
          (to.output.m - to.original.m).norm() <= job_.max_correction + quantum() &&
          !model_.beyond_travel(to.output);
 }
@@ -110,7 +112,7 @@ void Comparison::count_plain(const PlainLane::End& from, const PlainLane::End& t
   ++report_.feed_motions;
   ++report_.together;
   ++report_.points;
-  if (to.original.states_feed) ++report_.events;
+  report_.events += (to.original.states_feed ? 1 : 0) + (to.original.states_number ? 1 : 0);
   allowed_for(quantum());
   report_.direction_before = std::max(report_.direction_before, to.lean_before);
   report_.direction_after = std::max(report_.direction_after, to.lean);

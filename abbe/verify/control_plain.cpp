@@ -8,11 +8,14 @@ namespace abbe::verifying {
 namespace {
 
 constexpr double kSamePlace = 1e-12;  // rad, as of other blocks
-constexpr Letters kPlainLetters = letters('X', 'Y', 'Z', 'A', 'B', 'C', 'F');
+constexpr Letters kPlainLetters = letters('X', 'Y', 'Z', 'A', 'B', 'C', 'F', 'N');
+constexpr int kLine = 10, kMotionGroup = 1;
 
-/// Words of axes, perhaps a feed, and nothing else on the line.
+/// Words of axes, perhaps a number, a feed and G1, and nothing else on the line.
 bool says_only_axes(const Block& block) {
-  return block.words != 0 && (block.words & ~kPlainLetters) == 0 && (block.g_groups | block.m_groups) == 0 &&
+  const bool only_line =
+      block.g_groups == 0 || (block.g_groups == 1u << kMotionGroup && block.g_code(kMotionGroup) == kLine);
+  return block.words != 0 && (block.words & ~kPlainLetters) == 0 && only_line && block.m_groups == 0 &&
          (block.comment_count | block.extra_count) == 0 && block.tcp_code < 0 && !block.deletable &&
          block.increments == 0 && block.pole == Block::Pole::none && block.pointless == 0;
 }
@@ -20,14 +23,15 @@ bool says_only_axes(const Block& block) {
 }  // namespace
 
 bool Control::goes_plainly() const {
-  constexpr int line = 10, per_minute = 940;
-  return mode_ == line && feed_mode_ == per_minute && !incremental_ && !tcp_ && edge_stated_ &&
-         moved_zeros_ == 0 && rotary_ != nullptr && rotary_->declared() && unknown_turns_ == 0 &&
-         u_.known == kAllAxes && m_.known == kAllAxes && frames_.system().defined == kAllAxes &&
-         frames_.turn == 0 && !frames_.placement.on() && cutter_.phase == CutterUse::Phase::off && !ended_;
+  constexpr int per_minute = 940;
+  return mode_ == kLine && feed_mode_ == per_minute && !incremental_ && !tcp_ && edge_stated_ &&
+         (moved_zeros_ == 0 || profile_.offsets.increments_sure) && rotary_ != nullptr &&
+         rotary_->declared() && unknown_turns_ == 0 && u_.known == kAllAxes && m_.known == kAllAxes &&
+         frames_.system().defined == kAllAxes && frames_.turn == 0 && !frames_.placement.on() &&
+         cutter_.phase == CutterUse::Phase::off && !ended_;
 }
 
-PlainMotion Control::here() const { return {u_.at, m_.at, turns_, feed_, false, 0}; }
+PlainMotion Control::here() const { return {u_.at, m_.at, turns_, feed_, false, false, 0, 0}; }
 
 bool Control::leads_plainly(const Block& block, const PlainMotion& from, PlainMotion& to) const {
   if (!says_only_axes(block)) return false;
@@ -47,6 +51,8 @@ bool Control::leads_plainly(const Block& block, const PlainMotion& from, PlainMo
   to.m = machine_of(frames_, u).at;
   to.states_feed = block.has('F');
   if (to.states_feed) to.feed = block['F'];
+  to.states_number = block.has('N');
+  to.number = to.states_number ? block['N'] : 0;
   return to.named_turns != 0 && to.feed > 0;
 }
 

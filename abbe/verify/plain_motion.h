@@ -8,14 +8,16 @@
 
 namespace abbe::verifying {
 
-/// What a plain block leads to: axis words and perhaps a feed, for the line in force, while positions are
-/// absolute axis commands, F is per minute and every rotary axis counts as it is written.
+/// What a plain block leads to: axis words and perhaps N, G1 and a feed, where G1 is in force already, while
+/// positions are absolute axis commands, F is per minute and every rotary axis counts as it is written.
 struct PlainMotion {
-  Vec3 u = Vec3::Zero();     ///< program position + g92, mm
-  Vec3 m = Vec3::Zero();     ///< axis commands, mm
-  Turns turns{};             ///< rad
-  double feed = 0;           ///< in force, program units
-  bool states_feed = false;  ///< the block has an F
+  Vec3 u = Vec3::Zero();       ///< program position + g92, mm
+  Vec3 m = Vec3::Zero();       ///< axis commands, mm
+  Turns turns{};               ///< rad
+  double feed = 0;             ///< in force, program units
+  bool states_feed = false;    ///< the block has an F
+  bool states_number = false;  ///< the block has an N
+  double number = 0;
   unsigned named_turns = 0;  ///< A B C with a word in the block: bits 0 1 2
 };
 

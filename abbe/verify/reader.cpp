@@ -310,12 +310,19 @@ struct ProgramReader::State {
     return true;
   }
 
+  /// Everything that the block says has been handed out, and nothing of it changes what comes next.
+  [[nodiscard]] bool block_is_done() const {
+    return event_index == control.before().size() && (motion_given || control.motion() == nullptr) &&
+           after_index == control.after().size() && control.flow() == 0 && !control.ended();
+  }
+
   [[nodiscard]] bool between_blocks() const {
     return !has_single && !has_block && calls.empty() && !in_tail && !at_end && !refused && !conversational &&
            !first_block && !at_top && !at_start;
   }
 
   PlainRun plain() {
+    if (has_block && block_is_done()) has_block = false;
     if (!between_blocks() || !control.goes_plainly()) return {};
     if (row + 1 == rows) {
       text = {};
