@@ -110,7 +110,7 @@ TEST(NamedWords, WhatIsNotUnderstoodIsRefused) {
                                                                     {"X=AC(5)", "E-EXPR"},
                                                                     {"IF R1", "E-EXPR"},
                                                                     {"MCALL CYCLE81(1)", "E-CYCLE"},
-                                                                    {"G41 X1", "E-CUTCOM"},
+                                                                    {"G41\nG41 X1", "E-CUTCOM"},
                                                                     {"UNHEARD", "E-GCODE"},
                                                                     {"CYCLE800(1)", "E-GCODE"},
                                                                     {"(c)", "E-CHAR"},
