@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace abbe {
 namespace {
 
 constexpr double kSpare = 1.05;
+// A turn this near to half a turn, rad.
+constexpr double kBack = 1e-6;
 // Smaller ways in the plane are rounding of double arithmetic, mm.
 constexpr double kNoWay = 1e-7;
 // An arc around the cutter leaves its centre at least this radius, mm.
@@ -45,10 +48,12 @@ Vec3 to_centre(const Vec3& tangent, double offset) {
 }
 
 double cut_off(const PlaneWay& before, const PlaneWay& after, double offset) {
+  if (offset == 0) return 0;
   // theta > 0 turns left; the cutter is on the left for offset > 0
   const Vec3 &a = before.last, &b = after.first;
   const double theta = std::atan2(a.x() * b.y() - a.y() * b.x(), a.dot(b));
-  if (theta * offset <= 0) return 0;
+  const bool back = std::abs(theta) > std::numbers::pi - kBack;  // no side of it is the inner one
+  if (theta * offset <= 0 && !back) return 0;
   // l = |offset| tan(theta / 2)
   const double straight = std::abs(offset) * std::tan(std::abs(theta) / 2);
   return straight * std::max(narrowing(before, offset), narrowing(after, offset));

@@ -30,6 +30,8 @@ TEST(CutOff, ARightAngleCutsOffTheRadius) {
   EXPECT_FALSE(corner_fits(east, line(20, 0, 20, 5.2), 5)) << "5.25 mm with the spare";
   EXPECT_FALSE(corner_fits(line(15, 0, 20, 0), north, 5)) << "the block before counts as well";
   EXPECT_GT(cut_off(east, back, 5), 1e6);
+  EXPECT_GT(cut_off(east, line(20, 0, 0, 0), 5), 1e6) << "a turn back has no inner side";
+  EXPECT_GT(cut_off(east, line(20, 0, 0, 0), -5), 1e6);
 }
 
 TEST(CutOff, ACornerAwayFromTheCutterCutsNothingOff) {

@@ -306,7 +306,7 @@ TEST_P(DialectRefuses, WhatItDoesNotUnderstand) {
 INSTANTIATE_TEST_SUITE_P(
     Codes, DialectRefuses,
     ::testing::Values(
-        Refused{"fanuc", "G41 D1", "E-CUTCOM"}, Refused{"fanuc", "G92 X0", "E-GCODE"},
+        Refused{"fanuc", "G41 D9", "E-CUTCOM"}, Refused{"fanuc", "G92 X0", "E-GCODE"},
         Refused{"fanuc", "G51 X0 Y0 P1.5", "E-FRAME"}, Refused{"fanuc", "G51.1 Z0", "E-WORD"},
         Refused{"fanuc", "G7.1 C10.", "E-FRAME"}, Refused{"fanuc", "G107 C10.", "E-FRAME"},
         Refused{"fanuc", "G12.1", "E-FRAME"}, Refused{"fanuc", "G112", "E-FRAME"},

@@ -261,14 +261,13 @@ class Rewriter {
   bool cutter_permits();
   std::optional<double> stated_radius();
   bool cutter_allows(const Move& move);
-  void cutter_moved();
+  bool cutter_moved(const Vec3& wanted);
   bool follow_offset(const std::optional<PlaneWay>& way, const Vec3& meant);
   std::optional<double> left_at_centre(const Vec3& m, const Vec3& tangent);
   bool within_tolerance(double left, double bend);
   bool keep_ends_whole(const Move& move, std::vector<std::size_t>& ends);
   [[nodiscard]] double bend_between(const std::vector<std::size_t>& ends) const;
   bool arc_beside(const Arc& nominal);
-  bool may_stand_still(const Vec3& m1, const Vec3& wanted);
 
   // rewriter_lane.cpp: runs of plain lines
   /// Does the first lines, as many as it may: how many.

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "abbe/compensate/rewriter.h"
 #include "abbe/core/units.h"
@@ -158,18 +159,25 @@ bool Rewriter::cutter_allows(const Move& move) {
   return true;
 }
 
-// Behind a motion that was written: what follows stands under G41, or no longer.
-void Rewriter::cutter_moved() {
-  if (still_ == 0) {
-    if (cutter_.phase == Phase::begins) cutter_.phase = Phase::on;
-    if (cutter_.phase == Phase::ends) cutter_.phase = Phase::off;
+// Behind a straight motion that was written: what follows stands under G41, or no longer. A motion across the
+// plane has left X and Y where they were: a word of them would be a corner of the contour. `wanted` (machine
+// coordinates) is where they should be. False: refused.
+bool Rewriter::cutter_moved(const Vec3& wanted) {
+  const bool still = std::exchange(still_, 0) != 0;
+  if (still) {
+    const double aside = std::hypot(wanted.x() - out_.m.x(), wanted.y() - out_.m.y());
+    // of a rapid nothing is cut
+    return instruction_.motion == 0 || within_tolerance(0, aside);
   }
-  still_ = 0;
+  if (cutter_.phase == Phase::begins) cutter_.phase = Phase::on;
+  if (cutter_.phase == Phase::ends) cutter_.phase = Phase::off;
+  return true;
 }
 
 // The control offsets what is written: its corners must still be there for it.
 bool Rewriter::follow_offset(const std::optional<PlaneWay>& way, const Vec3& meant) {
   if (still_ != 0) return true;
+  const std::optional<PlaneWay> before = std::exchange(last_way_, way);
   const auto bad = [&](const char* what) {
     refuse_block("E-CUTCOM", what,
                  "the control would not find the corner of the cutter's path, and gouge or stop",
@@ -181,9 +189,8 @@ bool Rewriter::follow_offset(const std::optional<PlaneWay>& way, const Vec3& mea
   if (too_narrow(*way, cutter_.offset))
     return bad("an arc around the cutter that is not larger than the cutter");
   const bool ends = cutter_.phase == Phase::ends;
-  if (!ends && last_way_ && !corner_fits(*last_way_, *way, cutter_.offset))
+  if (!ends && before && !corner_fits(*before, *way, cutter_.offset))
     return bad("an inside corner beside a block that is too short for the cutter");
-  last_way_ = way;
   return true;
 }
 
@@ -216,28 +223,27 @@ bool Rewriter::within_tolerance(double left, double bend) {
 // Where a straight feed may be split under cutter compensation: nowhere at its ends, not at all where
 // it begins and ends. Drops such ends of pieces, and judges what that leaves. False: refused.
 bool Rewriter::keep_ends_whole(const Move& move, std::vector<std::size_t>& ends) {
-  const Vec3 way = in_.frames.vector_to_program(move.m1 - move.m0);
-  const double length = std::hypot(way.x(), way.y()), whole = shortest_end();
-  if (cutter_.phase != Phase::on) {
+  if (!cutter_.on()) {
     ends.clear();
     return true;  // beside no contour yet
   }
-  const auto too_near = [&](std::size_t i) {
+  const Vec3 way = in_.frames.vector_to_program(move.m1 - move.m0);
+  const double length = std::hypot(way.x(), way.y()), whole = shortest_end();
+  const bool looked = !ends.empty();
+  const auto drops = [&, last = looked ? ends.back() : 0](std::size_t i) {
     const double s = samples_[i].s;
-    return still_ != 0 || s * length < whole || (s < 1 && (1 - s) * length < whole);
+    return i != last && (still_ != 0 || s * length < whole || (1 - s) * length < whole);
   };
-  if (!ends.empty()) {
-    const std::size_t last = ends.back();
-    std::erase_if(ends, [&](std::size_t i) { return i != last && too_near(i); });
-  }
+  std::erase_if(ends, drops);
   double left = 0;
-  for (const double s : {0.0, 0.5, 1.0}) {
-    if (still_ != 0) break;
+  const std::size_t places = still_ != 0 ? 0 : looked ? samples_.size() : 3;
+  for (std::size_t i = 0; i < places; ++i) {
+    const double s = looked ? samples_[i].s : static_cast<double>(i) / 2;
     const auto here = left_at_centre(move.m0 + s * (move.m1 - move.m0), way);
     if (!here) return false;
     left = std::max(left, *here);
   }
-  return within_tolerance(left, ends.empty() ? 0 : bend_between(ends));
+  return within_tolerance(left, looked ? bend_between(ends) : 0);
 }
 
 // How far the corrections are from straight lines between the samples where pieces end, mm.
@@ -265,15 +271,6 @@ bool Rewriter::arc_beside(const Arc& nominal) {
     left = std::max(left, *here);
   }
   return within_tolerance(left, left > 0 ? interpolation_ : 0);
-}
-
-// A motion across the plane leaves X and Y where they are: a word of them would be a corner of the contour.
-// False: refused.
-bool Rewriter::may_stand_still(const Vec3& m1, const Vec3& wanted) {
-  if (instruction_.motion == 0) return true;  // nothing is cut
-  const Vec3 off = wanted - m1;
-  const double aside = std::hypot(off.x(), off.y());
-  return within_tolerance(0, aside <= job_.tolerance ? 0 : aside);
 }
 
 }  // namespace abbe

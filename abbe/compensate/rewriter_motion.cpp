@@ -498,10 +498,7 @@ bool Rewriter::straight(const Move& move, std::string& out) {
     add(samples_[ends[j]].s, move.m0 + samples_[ends[j]].s * way + samples_[ends[j]].correction);
   add(1, move.m1 + *c1);
   write_pieces(move, pieces_, out);
-  if (cutter_.acts()) {
-    if (still_ != 0 && !may_stand_still(out_.m, move.m1 + *c1)) return false;
-    cutter_moved();
-  }
+  if (cutter_.acts() && !cutter_moved(move.m1 + *c1)) return false;
   if (number_ == job_.trace_line) {
     move_text_ = pieces_.size() > 1
                      ? fmt::format("feed move in {} pieces: the correction bends along it", pieces_.size())

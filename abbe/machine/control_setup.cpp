@@ -59,7 +59,8 @@ std::optional<int> work_offset_index(std::string_view name) {
 std::optional<double> cutter_radius(const ControlSetup& setup, int number) {
   if (const auto given = setup.radii.find(number); given != setup.radii.end()) return given->second;
   const auto entry = setup.tools.find(number);
-  return entry == setup.tools.end() ? std::nullopt : std::optional(entry->second.diameter / 2);
+  if (entry == setup.tools.end() || entry->second.diameter == 0) return std::nullopt;
+  return entry->second.diameter / 2;
 }
 
 GaugeLength gauge_length(const ControlSetup& setup, const Machine& machine, std::optional<int> tool) {

@@ -76,7 +76,7 @@ inline constexpr int kFixedWorkOffsets = 9;
 [[nodiscard]] std::optional<int> tool_named(const std::map<int, ToolEntry>& tools, std::string_view name);
 
 /// The cutter radius of offset or tool `number`, mm: --radius, else half the diameter of the tool table.
-/// nullopt: neither knows the number. May be negative, where a table says so: to be refused.
+/// nullopt: neither states it (a table's 0 does not). Negative where a table says so: to be refused.
 [[nodiscard]] std::optional<double> cutter_radius(const ControlSetup& setup, int number);
 
 /// The lever arm of the tool in the spindle (docs/machine-file.md, compensate): --gauge, else gauge=, else

@@ -44,8 +44,8 @@ void Comparison::follow_known(const Motion& original) {
 }
 
 /// A rapid whose end is known in all axes: the corrected axes must bring the tip where it belongs, the
-/// withheld ones must stay where they are.
-void Comparison::compare_rapid(const Motion& original, const Motion& output) {
+/// withheld ones must stay where they are. Of `unjudged` axes the output says where they are.
+void Comparison::compare_rapid(const Motion& original, const Motion& output, Axes unjudged) {
   withheld_ &= ~commanded(original);
   follow_known(original);
   if (output.end.known != kAllAxes)
@@ -57,13 +57,13 @@ void Comparison::compare_rapid(const Motion& original, const Motion& output) {
   // Deviation in steps of the axes; what withheld axes leave is theirs.
   Vec3 steps = model_.command_step(deviation);
   for (int i = 0; i < 3; ++i)
-    if ((withheld_ & bit(i)) != 0) steps[i] = 0;
+    if (((withheld_ | unjudged) & bit(i)) != 0) steps[i] = 0;
   // X and Y belong to the hole below, and are looked at there.
   if (original.to_hole && output.to_hole) steps[0] = steps[1] = 0;
   const double distance = model_.nominal_step(steps).norm();
   const double allowed = allowed_for(quantum());
   if (!(distance <= allowed))
-    disagree("V-END", fmt::format("the rapid ends {:.3f} um from its target, {:.3f} um are allowed",
+    disagree("V-END", fmt::format("this motion ends {:.3f} um from its target, {:.3f} um are allowed",
                                   distance / um, allowed / um));
   check_reach(original.end.at, output.end.at);
   if (original.turns() || original.by_direction) {

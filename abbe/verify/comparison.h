@@ -48,7 +48,7 @@ class Comparison {
   void update_context();
 
   // compare_point.cpp: motions of which only points count
-  void compare_rapid(const Motion& original, const Motion& output);
+  void compare_rapid(const Motion& original, const Motion& output, Axes unjudged = 0);
   void compare_words(const Motion& original, const Motion& output);
   void compare_machine_move(const Motion& original, const Motion& output);
   void compare_cycle(const Motion& original, const Motion& output);
@@ -90,7 +90,6 @@ class Comparison {
   [[nodiscard]] Vec3 centre_of(const Motion& piece, double t, const Vec3& command) const;
   void check_beside(const Motion& original, const Motion& piece, double s);
   void compare_change(const Motion& original);
-  void compare_contour_end(const Motion& original, const Motion& output);
   // compare_nurbs.cpp: curves by control points
   void compare_nurbs(const Motion& original, const Motion& output);
   void sample_nurbs(const Motion& original, const Motion& output);

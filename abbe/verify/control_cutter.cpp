@@ -10,7 +10,7 @@ namespace {
 
 using Phase = CutterUse::Phase;
 
-constexpr int kOff = 400, kLeft = 410, kLeftDirect = 411, kRight = 420, kRightDirect = 421;
+constexpr int kOff = 400, kLeft = 410, kLeftDirect = 411, kRightDirect = 421;
 /// A way in XY below this is no way.
 constexpr double kNoWay = 1e-7;  // mm
 
@@ -74,7 +74,8 @@ std::optional<double> Control::radius_in_force(int code) const {
     if (!number) return std::optional<double>();
     if (const auto given = radii_.find(*number); given != radii_.end()) return std::optional(given->second);
     const auto entry = tools_.find(*number);
-    return entry == tools_.end() ? std::nullopt : std::optional(entry->second.diameter / 2);
+    const bool stated = entry != tools_.end() && entry->second.diameter != 0;
+    return stated ? std::optional(entry->second.diameter / 2) : std::nullopt;
   };
   if (code == kLeftDirect || code == kRightDirect)
     return b.has('D') ? std::optional(b['D'] * unit_ / 2) : std::nullopt;

@@ -16,6 +16,8 @@ using Phase = CutterUse::Phase;
 constexpr double kNoWay = 1e-7;
 /// Cosine of the angle by which digits may turn a block.
 constexpr double kSameWay = 0.95;
+/// Cosine of the angle by which a path turns, where it turns back.
+constexpr double kTurnsBack = -1 + 1e-12;
 
 Vec3 in_plane(const Vec3& v) { return {v.x(), v.y(), 0}; }
 
@@ -37,6 +39,11 @@ bool around_cutter(const Motion& motion) {
 }
 
 double narrowest(const Arc& arc) { return std::min(arc.start_radius, arc.end_radius); }
+
+double length_in_plane(const Motion& motion) {
+  return motion.kind == MotionKind::arc ? narrowest(motion.arc) * std::abs(motion.arc.sweep)
+                                        : in_plane(motion.end.at - motion.start.at).norm();
+}
 
 }  // namespace
 
@@ -83,14 +90,15 @@ void Comparison::check_beside(const Motion& original, const Motion& piece, doubl
       return disagree("V-CUTTER", "the arc around the cutter is not larger than the cutter");
     narrowing = narrowest(piece.arc) / (narrowest(piece.arc) - radius);
   }
-  const double length = length_of(piece);
+  const double length = length_in_plane(piece);
   if (piece.cutter.phase == Phase::on && last_beside_.length > 0) {
     // tangent length of an inside corner: r tan(theta / 2) = r sin(theta) / (1 + cos(theta))
     const Vec3 a = last_beside_.direction, b = from.normalized();
     const double sine = a.x() * b.y() - a.y() * b.x(), cosine = a.dot(b);
     const double needed =
         radius * std::abs(sine) / (1 + cosine) * std::max(narrowing, last_beside_.narrowing);
-    const bool inside = sine * piece.cutter.offset > 0;
+    // a turn back has no inner side
+    const bool inside = sine * piece.cutter.offset > 0 || (cosine < kTurnsBack && radius > 0);
     if (inside && !(needed <= std::min(length, last_beside_.length)))
       disagree("V-CUTTER", fmt::format("the inside corner needs {:.4f} mm on both sides, {:.4f} mm are there",
                                        needed, std::min(length, last_beside_.length)));
@@ -115,22 +123,9 @@ void Comparison::compare_change(const Motion& original) {
     disagree("V-FEED", fmt::format("expected F{:g}, found F{:g}", original.feed, found.feed));
   check_beside(original, found, 0);
   if (stop_) return;
-  compare_contour_end(original, found);
-}
-
-/// The end of a motion on the contour. Across the plane a rapid leaves X and Y as they are.
-void Comparison::compare_contour_end(const Motion& original, const Motion& output) {
-  withheld_ &= ~commanded(original);
-  follow_known(original);
-  Vec3 off = model_.actual(output.end.at, approach_, nullptr) - model_.nominal(original.end.at) - datum_;
-  if (!moves_in_plane(original) && original.kind == MotionKind::rapid)
-    off -= model_.nominal_step(in_plane(model_.command_step(off)));
-  ++report_.points;
-  const double allowed = allowed_for(quantum());
-  if (!(off.norm() <= allowed))
-    disagree("V-END", fmt::format("the contour is met {:.3f} um off, {:.3f} um are allowed", off.norm() / um,
-                                  allowed / um));
-  check_reach(original.end.at, output.end.at);
+  constexpr Axes plane_xy = 3;
+  const bool keeps_plane = original.kind == MotionKind::rapid && !moves_in_plane(original);
+  compare_rapid(original, found, keeps_plane ? plane_xy : 0);
 }
 
 }  // namespace abbe::verifying

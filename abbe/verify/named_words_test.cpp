@@ -125,7 +125,7 @@ TEST(NamedWords, WhatIsNotUnderstoodIsRefused) {
                                                                     {"SUPA X=IC(5) D0", "E-BLOCK"},
                                                                     {"IF R1", "E-EXPR"},
                                                                     {"MCALL CYCLE81(1)", "E-CYCLE"},
-                                                                    {"G41 X1", "E-CUTCOM"},
+                                                                    {"G41\nG41 X1", "E-CUTCOM"},
                                                                     {"UNHEARD", "E-GCODE"},
                                                                     {"CYCLE800(1)", "E-PLANE"},
                                                                     {"(c)", "E-CHAR"},

@@ -120,11 +120,12 @@ void read_tool_option(const ToolOption& option, const std::vector<std::string>& 
     if (!number || *number < 0 || *number > 1e6 || *number != std::floor(*number)) {
       findings.push_back(option_error(
           option.name,
-          fmt::format("'{}' is not {} number", given.name, option.zero ? "an offset's" : "a tool"),
+          fmt::format("'{}' is not {} number", given.name, option.zero ? "an offset or tool" : "a tool"),
           option.example));
     } else if (value && !(*value > 0) && !(option.zero && *value == 0)) {
       findings.push_back(option_error(option.name,
-                                      fmt::format("the {} of {} is not positive", option.measure, given.name),
+                                      fmt::format("the {} of {} is {}", option.measure, given.name,
+                                                  option.zero ? "negative" : "not positive"),
                                       option.meaning));
     } else if (value) {
       values[static_cast<int>(*number)] = *value * unit;
