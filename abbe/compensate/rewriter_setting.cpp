@@ -119,7 +119,7 @@ bool Rewriter::settings() {
                  "write D0 before, or post in G17");
     return false;
   }
-  return instruction_.frame == FrameChange::none || change_frame();
+  return end_stretch() && change_frame();
 }
 
 // A number, or the name of a tool of the table. Nothing: to be refused.

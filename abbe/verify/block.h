@@ -43,7 +43,8 @@ struct Continued {
 /// The words of one block, before any meaning. Arrays are valid only where a bit says so, so that
 /// clearing a block costs four stores.
 struct Block {
-  static constexpr int kGroups = 16;            ///< LinuxCNC's modal groups of G codes; 11 is rotation
+  /// LinuxCNC's modal groups of G codes; 11 holds frames, 16 and 17 the ends of a scale and a mirror.
+  static constexpr int kGroups = 18;
   static constexpr int kStops = 4;              ///< M group: M0 M1 M2 M30 M60
   static constexpr int kFurtherOffset = 10000;  ///< in the group of work offsets: P says which
   static constexpr int kMaxExtras = 12;
