@@ -174,7 +174,7 @@ bool Control::swivel() {
   event.text = block_->frame_text;
   event.sets_frames = true;
   if (count == 0) return true;
-  enum { retract, data, state, mode, before, first_angle = 7, behind = 10, direction = 13, fewest };
+  enum { retract, data, state, mode, first_place, first_angle = 7, behind = 10, direction = 13, fewest };
   const auto whole = [&](int i, int least, int most) {
     const double value = numbers[static_cast<std::size_t>(i)];
     return value >= least && value <= most && value == std::round(value);
@@ -196,7 +196,7 @@ bool Control::swivel() {
   const auto shift = [&](std::size_t i) -> Vec3 {
     return unit_ * Vec3(numbers[i], numbers[i + 1], numbers[i + 2]);
   };
-  place_plane(shift(before) + placement.along(shift(behind)));
+  place_plane(shift(first_place) + placement.along(shift(behind)));
   const int side = static_cast<int>(numbers[direction]);
   laid_by_words_ = side == 0;
   return laid_by_words_ || lay_tool(side);
