@@ -299,6 +299,16 @@ TEST(Scale, ByWordsOfEveryAxis) {
   EXPECT_TRUE(run_words("MIRROR Z0\nG0 X100 Y0 Z0\n").has("E-FRAME"));
 }
 
+// In the first lines of a program they end nothing, and stand beside everything else.
+TEST(Scale, EndsThatEndNothingStandAnywhere) {
+  const Machine machine = three_axes({{"EXX", poly(0, {0, 5e-4})}});
+  const std::string safe = "G0 G17 G21 G40 G49 G50 G80 G90 G94 G54\n";
+  EXPECT_EQ(last_but_end(rewrite(machine, safe + "G50.1 X0. Y0.\nG0 X100. Y0. Z0.\nM30\n", fanuc())),
+            "G0 X99.950 Y0. Z0.\n");
+  const auto ends = rewrite(machine, safe + "G51 X0. Y0. Z0. P2.\nG0 X100. Y0. Z0.\nG0 G50\nM30\n", fanuc());
+  EXPECT_TRUE(ends.has("E-BLOCK")) << ends.findings();
+}
+
 TEST(Mirror, NothingIsKnownUntilItIsCommanded) {
   const Machine machine = three_axes({{"EXX", poly(0, {0, 5e-4})}});
   const std::string moved = kStart + std::string("G0 X1. Y1. Z1.\n");

@@ -157,7 +157,8 @@ class Rewriter {
   bool turn_frame();
   bool stretch_frame();
   bool scale_frame();
-  bool mirror_frame();
+  bool mirror_frame(bool on);
+  bool end_stretch();
   std::optional<double> scale_factor(const Word& word);
   [[nodiscard]] bool may_place() const;
   void place(const Mat3& matrix, const Vec3& at);

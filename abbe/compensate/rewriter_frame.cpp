@@ -46,11 +46,9 @@ bool Rewriter::change_frame() {
     case FrameChange::turn:
       return turn_frame();
     case FrameChange::scale:
-    case FrameChange::end_scale:
       return scale_frame();
     case FrameChange::mirror:
-    case FrameChange::end_mirror:
-      return mirror_frame();
+      return mirror_frame(true);
   }
   return true;
 }
@@ -86,10 +84,6 @@ std::optional<double> Rewriter::scale_factor(const Word& word) {
 
 // G51 X Y Z P:  M p + o = f (p - k) + k.
 bool Rewriter::scale_frame() {
-  if (instruction_.frame == FrameChange::end_scale) {
-    if (frame_kind_ == FrameChange::scale) leave_place();
-    return true;
-  }
   const Word* p = instruction_.find(*block_, 'P');
   if (!may_place() || !axis_word(0) || !axis_word(1) || !axis_word(2) || !p || modal_.incremental) {
     refuse_block("E-FRAME", "a scale is followed with X, Y, Z and P, in G17 and G90, one frame at a time",
@@ -106,10 +100,26 @@ bool Rewriter::scale_frame() {
   return true;
 }
 
+// G50, and G50.1 with the axes that are mirrored no longer. Where nothing is in force they say nothing, and
+// may stand anywhere.
+bool Rewriter::end_stretch() {
+  const bool scale = instruction_.ends_scale && frame_kind_ == FrameChange::scale;
+  const bool mirror = instruction_.ends_mirror && frame_kind_ == FrameChange::mirror;
+  if (!scale && !mirror) return true;
+  const Instruction& in = instruction_;
+  if (in.states_motion || in.zero >= 0 || in.wcs >= 0 || in.tool_length >= 0 || in.tcp >= 0 ||
+      in.tool_change || in.set_tool || in.turns_axes || in.frame != FrameChange::none) {
+    refuse_block("E-BLOCK", "a scale or mirror ends together with other codes or words",
+                 "in which order the control takes them is not sure", "give it a block of its own");
+    return false;
+  }
+  if (mirror) return mirror_frame(false);
+  leave_place();
+  return true;
+}
+
 // G51.1 X Y:  x becomes 2 k - x.
-bool Rewriter::mirror_frame() {
-  const bool on = instruction_.frame == FrameChange::mirror;
-  if (frame_kind_ != FrameChange::mirror && !on) return true;
+bool Rewriter::mirror_frame(bool on) {
   const bool begins = frame_kind_ != FrameChange::mirror;
   if ((begins && !may_place()) || !instruction_.moves_axes || modal_.incremental) {
     refuse_block("E-FRAME", "a mirror is followed with X, Y or both, in G17 and G90, one frame at a time",

@@ -106,7 +106,7 @@ bool Rewriter::swivel_plane() {
         block_->text.substr(word.begin, static_cast<std::size_t>(word.end - word.begin));
     if (word.letter == 'G' && said.size() > kShortestSwivel) swivel = read_swivel(said);
   }
-  if (!swivel || in_.frames.g92() != Vec3::Zero()) {
+  if (!swivel || (!swivel->ends && in_.frames.g92() != Vec3::Zero())) {
     refuse_block(
         "E-PLANE", "a swivelled plane in a form that is not followed, or with TRANS in force",
         "where the plane lies, and how the tool gets there, is not sure",

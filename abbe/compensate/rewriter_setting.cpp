@@ -123,7 +123,7 @@ bool Rewriter::settings() {
                  "write D0 before, or post in G17");
     return false;
   }
-  if (instruction_.frame != FrameChange::none && !change_frame()) return false;
+  if (!end_stretch() || !change_frame()) return false;
   if (const Word* d = instruction_.find(*block_, 'D');
       d && profile_.tools.edges != Profile::Tools::Edges::none)
     edge_ = whole(d).value_or(-1);

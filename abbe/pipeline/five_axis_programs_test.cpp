@@ -8,6 +8,7 @@
 
 #include "abbe/core/units.h"
 #include "abbe/pipeline/test_five_axis_machine.h"
+#include "abbe/pipeline/test_random_machine.h"
 #include "abbe/pipeline/test_run_program.h"
 
 namespace abbe {

@@ -7,7 +7,7 @@
 #include "abbe/core/units.h"
 #include "abbe/pipeline/test_random_machine.h"
 
-/// Random five-axis machines of every structure.
+/// Five-axis machines of every structure with errors drawn at random, as machine files.
 namespace abbe::testing {
 
 inline constexpr double kToolLength = 120;

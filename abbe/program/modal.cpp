@@ -95,9 +95,9 @@ constexpr Role kRoles[] = {
     {Meaning::rotate, rotation, static_cast<GCode>(FrameChange::turn)},
     {Meaning::rotate_off, rotation, static_cast<GCode>(FrameChange::end_turn)},
     {Meaning::scale, rotation, static_cast<GCode>(FrameChange::scale)},
-    {Meaning::scale_off, rotation, static_cast<GCode>(FrameChange::end_scale)},
+    {Meaning::scale_off, loose, 0},
     {Meaning::mirror, rotation, static_cast<GCode>(FrameChange::mirror)},
-    {Meaning::mirror_off, rotation, static_cast<GCode>(FrameChange::end_mirror)},
+    {Meaning::mirror_off, loose, 0},
     {Meaning::tilted_plane, rotation, static_cast<GCode>(FrameChange::plane)},
     {Meaning::tool_to_plane, rotation, static_cast<GCode>(FrameChange::tool_to_plane)},
     {Meaning::spatial_plane, rotation, static_cast<GCode>(FrameChange::spatial_plane)},
@@ -290,6 +290,8 @@ void Reading::put_in_force(const Role& role, const CodeUse& use) {
       break;
     case loose:
       out.smooths = out.smooths || use.meaning == Meaning::smoothing;
+      out.ends_scale = out.ends_scale || use.meaning == Meaning::scale_off;
+      out.ends_mirror = out.ends_mirror || use.meaning == Meaning::mirror_off;
       out.exact_stop = out.exact_stop || use.meaning == Meaning::exact_stop_once;
       if (use.meaning == Meaning::tcp_on || use.meaning == Meaning::tcp_off)
         out.tcp = use.meaning == Meaning::tcp_on ? 1 : 0;
@@ -329,7 +331,7 @@ bool axis_words_taken(GCode zero_code) {
 /// The axis words of the block are of the frame.
 bool takes_words(FrameChange frame) {
   return frame == FrameChange::turn || frame == FrameChange::scale || frame == FrameChange::mirror ||
-         frame == FrameChange::end_mirror || frame == FrameChange::plane;
+         frame == FrameChange::plane;
 }
 
 /// TRANS, ATRANS, ROT, AROT, SCALE, ASCALE, MIRROR.
@@ -517,8 +519,8 @@ bool read_instruction(const Profile& profile, const Block& block, const ModalSta
   if (!read_direction(reading, out.states_motion ? out.motion : state.motion)) return false;
   out.moves_axes = out.turns_axes || out.directs_tool || (present & kAxisBits) != 0;
   const bool beside_motion = profile.home_beside_motion && (out.zero == 280 || out.zero == 300);
-  const bool taken =
-      axis_words_taken(out.zero) || out.tool_length == 431 || reading.dwell_x || takes_words(out.frame);
+  const bool taken = axis_words_taken(out.zero) || out.tool_length == 431 || reading.dwell_x ||
+                     takes_words(out.frame) || (out.ends_mirror && out.moves_axes);
   const auto whole_block = [&](const char* code, std::string message, const char* why, const char* fix) {
     findings.add(Severity::error, code, line, block.text, block.count > 0 ? block.words[0].begin : 0,
                  block.text.size(), std::move(message), why, fix);

@@ -58,16 +58,14 @@ struct ModalState {
 /// What holds before the first block.
 [[nodiscard]] ModalState start_of(const Profile& profile);
 
-/// How a block changes the frame that the program is written in (G68 G69, G51 G50, G51.1 G50.1, G68.2 G53.1
+/// How a block changes the frame that the program is written in (G68 G69, G51, G51.1, G68.2 G53.1
 /// and their like).
 enum class FrameChange : std::int8_t {
   none,
   end_turn,  ///< and a tilted plane
   turn,
   scale,
-  end_scale,
   mirror,
-  end_mirror,
   plane,          ///< by Euler angles
   tool_to_plane,  ///< the control turns the rotary axes
   spatial_plane,  ///< by angles I J K about the fixed axes; P1: the control turns the rotary axes, Q: to
@@ -95,6 +93,7 @@ struct Instruction {
   GCode cutter = -1;        ///< G40, G41 G42, 411 421: D is the diameter
   bool dwell_by_f = false;  ///< F is the time of a dwell, no feed
   FrameChange frame = FrameChange::none;
+  bool ends_scale = false, ends_mirror = false;  ///< G50, G50.1, if one is in force
   LetterSet motion_words = 0;
   bool path_control = false;  ///< G61, G64
   bool smooths = false;       ///< a smoothing that is not modelled is switched

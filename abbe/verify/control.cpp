@@ -173,7 +173,8 @@ bool Control::choose_motion() {
   const bool offset_words = b.g_code(8) == 431;
   const bool times_by_x = group0 == 40 && (b.g_words[0] & letter_bit('X')) != 0;
   const int frame = b.g_code(11);
-  const bool turns = frame == 680 || frame == 682 || frame == 510 || frame == 511 || frame == 501;
+  const bool turns =
+      frame == 680 || frame == 682 || frame == 510 || frame == 511 || (b.g_code(17) >= 0 && axis_words);
   const bool takes_axes = group0 == 100 || group0 == 280 || group0 == 300 ||
                           (group0 >= 520 && group0 <= 522) || (group0 >= 683 && group0 <= 685) ||
                           group0 == 920 || times_by_x || turns;
@@ -353,6 +354,7 @@ bool Control::modes() {
     move_zero(zero);
     add(EventKind::g_code, 540, code == Block::kFurtherOffset ? letter_bit('P') : 0).sets_frames = true;
   }
+  if (!end_stretches()) return false;
   if (const int code = b.g_code(11); code >= 0 && !change_frame(code)) return false;
   if (const int code = b.g_code(13); code >= 0) {
     if (!use_all(b.g_words[13])) return false;

@@ -125,6 +125,7 @@ class Control {
   bool read_swivel(std::array<double, 16>& numbers, std::size_t& count) const;
   bool stretch(int code);
   void end_stretch();
+  bool end_stretches();
   bool place_plane(const Vec3& origin);
   bool tool_to_plane();
   bool lay_tool(std::optional<int> side);

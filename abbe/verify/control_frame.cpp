@@ -48,12 +48,7 @@ bool Control::change_frame(int code) {
     case 510:
       return scale();
     case 511:
-    case 501:
-      return mirror(code == 511);
-    case 500:
-      end_placement(Placement::Kind::scale);
-      add(EventKind::g_code, code).sets_frames = true;
-      return true;
+      return mirror(true);
     default:
       break;
   }
@@ -173,13 +168,13 @@ bool Control::swivel() {
                   "where the plane lies, or how the tool gets there, is not sure",
                   "write it axis by axis, with literal numbers, ST 0 and no TRANS in force");
   };
-  if (!read_swivel(numbers, count) || frames_.g92 != Vec3::Zero()) return unclear();
+  if (!read_swivel(numbers, count) || (count > 0 && frames_.g92 != Vec3::Zero())) return unclear();
   end_placement(Placement::Kind::plane);
   Event& event = add(EventKind::g_code, 684);
   event.text = block_->frame_text;
   event.sets_frames = true;
   if (count == 0) return true;
-  enum { retract, data, state, mode, before, first_angle = 7, behind = 10, direction = 13, fewest };
+  enum { retract, data, state, mode, first_place, first_angle = 7, behind = 10, direction = 13, fewest };
   const auto whole = [&](int i, int least, int most) {
     const double value = numbers[static_cast<std::size_t>(i)];
     return value >= least && value <= most && value == std::round(value);
@@ -201,7 +196,7 @@ bool Control::swivel() {
   const auto shift = [&](std::size_t i) -> Vec3 {
     return unit_ * Vec3(numbers[i], numbers[i + 1], numbers[i + 2]);
   };
-  place_plane(shift(before) + placement.along(shift(behind)));
+  place_plane(shift(first_place) + placement.along(shift(behind)));
   const int side = static_cast<int>(numbers[direction]);
   laid_by_words_ = side == 0;
   return laid_by_words_ || lay_tool(side);
@@ -343,6 +338,29 @@ bool Control::scale() {
   return true;
 }
 
+/// G50 and G50.1. Where no scale or mirror is in force they may stand beside anything.
+bool Control::end_stretches() {
+  const Block& b = *block_;
+  const bool scales = b.g_code(16) >= 0, mirrors = b.g_code(17) >= 0;
+  const Placement::Kind kind = frames_.placement.kind;
+  const bool acts =
+      (scales && kind == Placement::Kind::scale) || (mirrors && kind == Placement::Kind::mirror);
+  if (acts &&
+      (b.g_code(0) >= 0 || b.g_code(1) >= 0 || b.g_code(8) >= 0 || b.g_code(11) >= 0 || b.g_code(12) >= 0 ||
+       b.m_code(6) >= 0 || b.tcp_code >= 0 || (b.words & letters('A', 'B', 'C')) != 0))
+    return refuse(1, "E-BLOCK", "the end of a scale or mirror beside other codes",
+                  "their order is not defined", "use two blocks");
+  if (scales) {
+    end_placement(Placement::Kind::scale);
+    add(EventKind::g_code, 500).sets_frames = true;
+  }
+  if (!mirrors) return true;
+  if (kind == Placement::Kind::mirror) return mirror(false);
+  constexpr Letters words = letters('X', 'Y');
+  add(EventKind::g_code, 501, words).sets_frames = true;
+  return use_all(words);
+}
+
 /// G51.1 and G50.1: X, Y or both are counted the other way from a place, or no longer.
 bool Control::mirror(bool on) {
   constexpr Letters words = letters('X', 'Y');
@@ -350,12 +368,11 @@ bool Control::mirror(bool on) {
   const bool goes_on = placement.kind == Placement::Kind::mirror;
   if (!goes_on && on && !frame_is_bare(block_->g_column[11])) return false;
   if ((block_->words & words) == 0 || incremental_)
-    return refuse(block_->g_column[11], "E-FRAME", "a mirror without an axis, or in G91",
-                  "what is mirrored is not sure", "name X, Y or both, in G90");
+    return refuse(1, "E-FRAME", "a mirror without an axis, or in G91", "what is mirrored is not sure",
+                  "name X, Y or both, in G90");
   if (!use_all(words)) return false;
   const Letters named = block_->words & words;
   add(EventKind::g_code, on ? 511 : 501, words).sets_frames = true;
-  if (!goes_on && !on) return true;
   placement.kind = Placement::Kind::mirror;
   for (int i = 0; i < 2; ++i) {
     const char letter = static_cast<char>('X' + i);

@@ -153,6 +153,8 @@ TEST(Placements, ScaleAndMirrorCountFromTheirCentres) {
   expect_place(end_of(fanuc("G51.1 X10.\nG0 X100. Y7. Z5.\n"), "fanuc"), {-80, 7, 5});
   expect_place(end_of(fanuc("G51.1 X10. Y1.\nG50.1 X0.\nG0 X100. Y7. Z5.\n"), "fanuc"), {100, -5, 5});
   expect_place(end_of(fanuc("G51 X10. Y0. Z5. P2.\nG50\nG0 X100. Y7. Z5.\n"), "fanuc"), {100, 7, 5});
+  expect_place(end_of(fanuc("G0 G40 G49 G50 G80\nG50.1 X1. Y2.\nG0 X100. Y7. Z5.\n"), "fanuc"), {100, 7, 5});
+  EXPECT_FALSE(end_of(fanuc("G51 X10. Y0. Z5. P2.\nG0 X1. Y1. Z1.\nG0 G50\n"), "fanuc", nullptr));
 }
 
 VerifyReport judge(const std::string& original, const std::string& output) {

@@ -125,11 +125,11 @@ constexpr Seat seat_of(Meaning meaning) {
     case Meaning::scale:
       return {11, 510};
     case Meaning::scale_off:
-      return {11, 500};
+      return {16, 500};
     case Meaning::mirror:
       return {11, 511};
     case Meaning::mirror_off:
-      return {11, 501};
+      return {17, 501};
     case Meaning::tilted_plane:
       return {11, 682};
     case Meaning::tool_to_plane:
