@@ -155,10 +155,10 @@ struct Profile {
   struct Numbers {
     IntegerWords integer_words = IntegerWords::units;
     int decimals_mm = 4, decimals_inch = 5, decimals_degree = 4,
-        decimals_feed = 4;  ///< digits after the point that are written
+        decimals_feed = 4;    ///< digits after the point that are written
     int decimals_vector = 6;  ///< of the components of a tool axis vector
-    int digits = 0;         ///< most digits of a number, 0 = any
-    bool finer = true;      ///< words with more decimals are read as they stand; else refused (E-DIGITS)
+    int digits = 0;           ///< most digits of a number, 0 = any
+    bool finer = true;        ///< words with more decimals are read as they stand; else refused (E-DIGITS)
   } numbers;
 
   enum class Skip : std::uint8_t {
