@@ -26,7 +26,8 @@ struct TcpCode {
 /// What a control makes of a tool's direction that a program states as a vector (docs/theory/five-axes.md):
 /// which of the positions of the rotary axes that give it, and how they go there from block to block.
 struct VectorRule {
-  bool nearest = false;  ///< the nearest ones; the outer axis stays where it does not matter. false: not stated
+  bool nearest =
+      false;  ///< the nearest ones; the outer axis stays where it does not matter. false: not stated
   enum class Between { unstated, axes } between = Between::unstated;  ///< axes: each goes evenly
 };
 
@@ -48,9 +49,9 @@ struct TiltSolution {
 /// [control]: the control's own model of the machine. It turns programmed points into axis commands with
 /// its numbers, which need not be those of the machine as built.
 struct ControlModel {
-  bool declared = false;              ///< false: rotary words are refused
-  bool tcp = false;                   ///< tool centre point control is on when a program starts
-  std::vector<TcpCode> codes;         ///< that switch it
+  bool declared = false;       ///< false: rotary words are refused
+  bool tcp = false;            ///< tool centre point control is on when a program starts
+  std::vector<TcpCode> codes;  ///< that switch it
   VectorRule vectors;
   std::vector<std::string> corrects;  ///< errors the control corrects itself, as they are named in [errors]
   std::optional<TiltSolution> tilt;   ///< none: programs of tilted planes say where the rotary axes stand

@@ -180,9 +180,9 @@ struct Profile {
   struct Numbers {
     IntegerWords integer_words = IntegerWords::units;
     int decimals_mm = 4, decimals_inch = 5, decimals_degree = 4,
-        decimals_feed = 4;  ///< digits after the point that are written
+        decimals_feed = 4;    ///< digits after the point that are written
     int decimals_vector = 6;  ///< of the components of a tool axis vector
-    int digits = 0;         ///< most digits of a number, 0 = any
+    int digits = 0;           ///< most digits of a number, 0 = any
     /// What a scale factor without a point counts: a thousandth, a hundred-thousandth; `ask` refuses it.
     enum class Scale : std::uint8_t { thousandths, hundred_thousandths, ask };
     Scale scale_words = Scale::ask;

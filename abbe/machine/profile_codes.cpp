@@ -198,8 +198,7 @@ void read_codes(const TomlNode& root, Profile& profile, Findings& findings) {
 void read_addresses(const TomlNode& root, Profile& profile, Findings& findings) {
   const TomlEntry* entry = root.find("addresses");
   if (entry == nullptr || !expect_kind(entry->value, TomlNode::Kind::table, "addresses", findings)) return;
-  const std::vector<std::string> letters{"D", "F", "H", "L", "M", "P", "Q", "R", "S", "T",
-                                         "TX", "TY", "TZ"};
+  const std::vector<std::string> letters{"D", "F", "H", "L", "M", "P", "Q", "R", "S", "T", "TX", "TY", "TZ"};
   const auto letter_of = [&](std::size_t at) {
     return letters[at].size() == 1 ? letters[at][0]
                                    : kVectorLetters[static_cast<std::size_t>(letters[at][1] - 'X')];

@@ -484,8 +484,9 @@ bool read_direction(Reading& reading, GCode motion) {
   const Word* first = nullptr;
   int count = 0;
   for (std::size_t k = 0; k < 3; ++k) {
-    const auto named = static_cast<std::size_t>(kVectorLetters[k] - 'A');
-    out.direction[k] = out.word[named] >= 0 || !by_centre_words ? out.word[named] : out.word["IJK"[k] - 'A'];
+    const auto named = static_cast<std::size_t>(kVectorLetters[k] - 'A'),
+               centre = static_cast<std::size_t>("IJK"[k] - 'A');
+    out.direction[k] = out.word[out.word[named] >= 0 || !by_centre_words ? named : centre];
     if (out.direction[k] < 0) continue;
     first = &reading.block.words[static_cast<std::size_t>(out.direction[k])];
     ++count;

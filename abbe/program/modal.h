@@ -77,17 +77,18 @@ enum class FrameChange : std::int8_t {
 /// What the words of one block ask for, checked against the list of known codes and against each other.
 struct Instruction {
   GCode motion = -1;  ///< motion code in force for this block, -1: the block does not move by a motion code
-  bool states_motion = false;          ///< the code is written in this block
-  GCode zero = -1;                     ///< group 0: G4 G10 G28 G30 G52 G53 G92 ..
-  std::array<std::int8_t, 29> word{};  ///< index of each value word by letter (to kVectorLetters), -1 = absent
+  bool states_motion = false;  ///< the code is written in this block
+  GCode zero = -1;             ///< group 0: G4 G10 G28 G30 G52 G53 G92 ..
+  std::array<std::int8_t, 29>
+      word{};  ///< index of each value word by letter (to kVectorLetters), -1 = absent
   std::array<std::int8_t, 3> direction{-1, -1, -1};  ///< indices of the components of the tool's direction
-  bool moves_axes = false;             ///< X, Y, Z or A, B, C is written
-  bool turns_axes = false;             ///< A, B or C is written
-  bool directs_tool = false;           ///< the tool's direction is written as a vector
-  std::int8_t tcp = -1;                ///< 1, 0: tool centre point control is switched on, off
-  bool vectors = false;                ///< and from there on I J K of lines and rapids are the tool's direction
-  bool plain = false;                  ///< X Y Z and F only: a line or rapid that was in force
-  int wcs = -1;                        ///< work offset: 0 = G54 .. 8 = G59.3, then the further ones
+  bool moves_axes = false;                           ///< X, Y, Z or A, B, C is written
+  bool turns_axes = false;                           ///< A, B or C is written
+  bool directs_tool = false;                         ///< the tool's direction is written as a vector
+  std::int8_t tcp = -1;                              ///< 1, 0: tool centre point control is switched on, off
+  bool vectors = false;  ///< and from there on I J K of lines and rapids are the tool's direction
+  bool plain = false;    ///< X Y Z and F only: a line or rapid that was in force
+  int wcs = -1;          ///< work offset: 0 = G54 .. 8 = G59.3, then the further ones
   GCode tool_length = -1, plane = -1, units = -1, distance = -1, arc_distance = -1, feed_mode = -1,
         retract = -1;
   GCode cutter = -1;        ///< G40, G41 G42, 411 421: D is the diameter

@@ -56,7 +56,7 @@ struct Block {
   static constexpr int kMGroups = 10;
   static constexpr int kMaxComments = 127;
 
-  Letters words = 0;             ///< value words present (neither G nor M)
+  Letters words = 0;                           ///< value words present (neither G nor M)
   static constexpr std::size_t kLetters = 29;  ///< A to Z, and kVectorLetters
   std::array<double, kLetters> value;          ///< by letter
   std::array<std::uint8_t, kLetters> column;

@@ -202,7 +202,8 @@ bool Control::choose_motion() {
     if (explicit_motion == kNoMotion && axis_words && !covets_)
       return refuse(b.g_column[1], "E-MODE", "axis words with G80", "no motion is active to use them",
                     "give the motion code");
-  } else if (!covets_ && (axis_words || (mode_ == kNurbs && b.has('K')) || ((mode_ == 20 || mode_ == 30) && (b.words & kCentreLetters) != 0))) {
+  } else if (!covets_ && (axis_words || (mode_ == kNurbs && b.has('K')) ||
+                          ((mode_ == 20 || mode_ == 30) && (b.words & kCentreLetters) != 0))) {
     if (mode_ == kNoMotion)
       return refuse_at(b.has('X')   ? 'X'
                        : b.has('Y') ? 'Y'

@@ -59,7 +59,8 @@ bool Control::read_turns(bool machine_words) {
   return true;
 }
 
-/// The letters of the tool's direction in this block: those of its own words, or I J K where the mode says so.
+/// The letters of the tool's direction in this block: those of its own words, or I J K where the mode says
+/// so.
 std::array<char, 3> Control::direction_letters() const {
   const bool mode = block_->tcp_code >= 0 ? block_->tcp && block_->tcp_vectors : directs_by_centre_words_;
   const int motion = block_->g_code(1) >= 0 ? block_->g_code(1) : mode_;

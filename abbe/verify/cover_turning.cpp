@@ -331,7 +331,8 @@ bool Comparison::check_turns(const Motion& original, const Motion& output) {
     const bool uncommanded = original.end.known != kAllAxes || original.machine_words;
     const bool named = (original.named_turns >> k & 1) != 0;
     // a direction's digits turn axes, too
-    const bool turns_on = !original.by_direction && std::abs(way) < kNoTurn && std::abs(its_way) > kNoTurn && !(named && uncommanded);
+    const bool turns_on = !original.by_direction && std::abs(way) < kNoTurn && std::abs(its_way) > kNoTurn &&
+                          !(named && uncommanded);
     if (turns_on || (!uncommanded && !(std::abs(off) <= kMaxTurn + kTurnDigit))) {
       disagree_and_stop("V-TURN",
                         fmt::format("{} turns to {:.4f} deg here, the original to {:.4f} deg", "ABC"[k],

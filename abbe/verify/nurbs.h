@@ -20,7 +20,8 @@ struct Nurbs {
 /// It begins at its first point and ends at its last, and all its places are defined.
 [[nodiscard]] bool is_curve(const Nurbs& nurbs);
 
-/// The place at u, from the first knot to the last. cost   points * order, or less: shares of zero are left out
+/// The place at u, from the first knot to the last. cost   points * order, or less: shares of zero are left
+/// out
 [[nodiscard]] Vec3 point_of(const Nurbs& nurbs, double u);
 
 }  // namespace abbe::verifying

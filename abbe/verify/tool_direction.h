@@ -35,8 +35,8 @@ class ToolDirection {
   bool known_ = false;
   bool nearest_ = false;  ///< the machine file says so
   std::size_t slow_ = 0, fast_ = 0;
-  Vec3 pivot_ = Vec3::Zero();              ///< p; a positive turn of the slow axis turns right-handed about it
-  Vec3 steady_ = Vec3::Zero();             ///< axis(0, fast) = steady + swing cos fast + sweep sin fast
+  Vec3 pivot_ = Vec3::Zero();   ///< p; a positive turn of the slow axis turns right-handed about it
+  Vec3 steady_ = Vec3::Zero();  ///< axis(0, fast) = steady + swing cos fast + sweep sin fast
   Vec3 swing_ = Vec3::Zero(), sweep_ = Vec3::Zero();
   std::array<std::array<double, 2>, 3> travel_{};
 };

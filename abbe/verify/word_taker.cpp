@@ -257,8 +257,8 @@ bool WordTaker::g_word(double value, std::size_t column) {
   // G43.4 H and G43.5 H apply the tool length as G43 does
   const bool with_length = switches && (number == 434 || number == 435);
   const CodeUse& use = with_length ? kTcpLength
-                       : is_code                 ? profile_.g[static_cast<std::size_t>(number)]
-                                                 : kUnknown;
+                       : is_code   ? profile_.g[static_cast<std::size_t>(number)]
+                                   : kUnknown;
   if (switches && use.meaning == Meaning::unknown) return true;
   return take_code({}, value, number, use, {}, column);
 }
