@@ -231,6 +231,7 @@ class Rewriter {
   struct Holes {
     int a = 0, b = 1, n = 2;  ///< axes of the plane and of the holes
     int count = 1;
+    int times = 1;  ///< that the control drills: in G90 a count repeats the same hole
     double r = 0, z = 0;
     Vec3 first = Vec3::Zero(), step = Vec3::Zero();
     [[nodiscard]] Vec3 last() const { return first + (count - 1) * step; }
@@ -241,6 +242,7 @@ class Rewriter {
   std::optional<double> shift_of(const Holes& holes, Vec3& shift);
   void note_way_out(const Holes& holes, const Vec3& shift);
   bool keeps_shape(double residual);
+  bool holds_withheld(const Holes& holes);
   [[nodiscard]] bool keeps_levels() const { return profile_.cycles.sticky == Profile::Sticky::levels; }
   double write_holes(const Holes& holes, const Vec3& shift, std::string& out, Vec3& p_out);
 
