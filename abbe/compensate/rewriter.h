@@ -131,6 +131,9 @@ class Rewriter {
   std::optional<Vec3> correction_at(const Vec3& m, unsigned withheld,
                                     const std::array<signed char, 3>& approach);
   bool feed_allowed(const Move& move);
+  /// `what` cuts at m (original). False, and said: an axis there stands where G53 put it, and its correction
+  /// is more than the tolerance.
+  bool holds_withheld(const Vec3& m, const char* what);
   void note_correction(const Vec3& m, const Vec3& c);
   /// A number for a word: what stands there if that is right to half its last digit, else one to be rounded.
   struct Value {
@@ -242,7 +245,6 @@ class Rewriter {
   std::optional<double> shift_of(const Holes& holes, Vec3& shift);
   void note_way_out(const Holes& holes, const Vec3& shift);
   bool keeps_shape(double residual);
-  bool holds_withheld(const Holes& holes);
   [[nodiscard]] bool keeps_levels() const { return profile_.cycles.sticky == Profile::Sticky::levels; }
   double write_holes(const Holes& holes, const Vec3& shift, std::string& out, Vec3& p_out);
 

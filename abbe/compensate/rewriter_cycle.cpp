@@ -34,7 +34,8 @@ void Rewriter::cycle(std::string& out) {
     approach_ = last_approach;  // Z goes down when the tool is above the hole
     if (expand_holes(holes, out)) return;
   }
-  const bool shifted = residual && !expands && keeps_shape(*residual) && holds_withheld(holes);
+  const bool shifted = residual && !expands && keeps_shape(*residual) &&
+                       holds_withheld(in_.frames.to_machine((holes.first + holes.last()) / 2), "a cycle");
   if (shifted) {
     note_way_out(holes, shift);
     r_out = write_holes(holes, shift, out, end_out);
@@ -207,22 +208,6 @@ bool Rewriter::keeps_shape(double residual) {
   move_text_ =
       fmt::format("cycle: shifted as a whole by the correction at mid-depth; {:.2f} um of it change inside",
                   residual / um);
-  return true;
-}
-
-// False, and said: an axis stands where G53 put it, and its correction is more than the tolerance.
-bool Rewriter::holds_withheld(const Holes& holes) {
-  if (withheld_ == 0) return true;
-  const auto full = correction_at(in_.frames.to_machine((holes.first + holes.last()) / 2), 0, approach_);
-  if (!full) return false;
-  for (int k = 0; k < 3; ++k) {
-    if (!(withheld_ & (1u << k)) || std::abs((*full)[k]) <= job_.tolerance) continue;
-    refuse_block("E-POS",
-                 fmt::format("a cycle while {} stands where G53 put it, without its correction", "XYZ"[k]),
-                 "a word is not added to an axis that the program commanded in machine coordinates",
-                 "command the axis in the work offset first");
-    return false;
-  }
   return true;
 }
 
