@@ -81,6 +81,15 @@ TEST(ExpandDrill, DwellsAsTheCycleDoesAndRepeatsInIncrements) {  // H16
             "G80\nM2\n");
 }
 
+/// In G90 a count drills the same hole again.
+TEST(ExpandDrill, TheSameHoleTwiceIsDrilledTwice) {
+  const auto result =
+      rewrite(leaning_machine(), "G0 X0 Y0 Z2\nG99 G81 X5 Y5 Z-30 R2 F100 L2\nG80\nM2\n", expanding());
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  const std::string hole = "G1 X5.0060 Z-30.0000\nG4 P0\nG0 X4.9996 Z2.0000\n";
+  EXPECT_EQ(result.text, "G0 X-0.0004 Y0 Z2\nG99 G0 X4.9996 Y5 F100\n" + hole + hole + "G80\nM2\n");
+}
+
 TEST(ExpandDrill, FanucStopsExactlyAndKeepsWhatComesLast) {
   const auto result =
       rewrite(leaning_machine(),

@@ -431,6 +431,12 @@ TEST(Rewrite, TheWayOutOfAHoleIsInWhatRemainsInside) {
   EXPECT_NEAR(rewrite(machine, program).report.cycle_residual, 0, 1e-6 * um);
 }
 
+TEST(Rewrite, ACycleBesideAnUncorrectedAxisIsRefused) {
+  const std::string start = "G0 X0 Y0 Z5\nG53 G0 X10\n", hole = "G81 Y5 Z-3 R1 F100\nG80\nM2\n";
+  EXPECT_TRUE(rewrite(offset_machine(), start + hole).has("E-POS"));
+  EXPECT_TRUE(rewrite(offset_machine(), start + "G0 X11\n" + hole).report.complete);
+}
+
 TEST(Rewrite, ARefusedCycleIsSaidOnce) {
   const auto result =
       rewrite(offset_machine(), "G0 X0 Y0 Z5\nG81 X5 Y5 Z-3 F100\nX9\nX12\nG80\nG81 X5 R1 F100\nX9\nM2\n");

@@ -187,6 +187,9 @@ class Rewriter {
   std::optional<Vec3> correction_at(const Vec3& m, unsigned withheld,
                                     const std::array<signed char, 3>& approach);
   bool feed_allowed(const Move& move);
+  /// `what` cuts at m (original). False, and said: an axis there stands where G53 put it, and its correction
+  /// is more than the tolerance.
+  bool holds_withheld(const Vec3& m, const char* what);
   void note_correction(const Vec3& m, const Vec3& c);
   /// A number for a word: what stands there if that is right to half its last digit, else one to be rounded.
   struct Value {
@@ -346,6 +349,7 @@ class Rewriter {
   struct Holes {
     int a = 0, b = 1, n = 2;  ///< axes of the plane and of the holes
     int count = 1;
+    int times = 1;  ///< that the control drills: in G90 a count repeats the same hole
     double r = 0, z = 0;
     Vec3 first = Vec3::Zero(), step = Vec3::Zero();
     [[nodiscard]] Vec3 last() const { return first + (count - 1) * step; }

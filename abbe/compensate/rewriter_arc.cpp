@@ -310,6 +310,21 @@ void Rewriter::take_up_on_arc(const Vec3& want, bool first, Vec3& p_out, std::st
   command(want, true, p_out, nullptr);
 }
 
+bool Rewriter::holds_withheld(const Vec3& m, const char* what) {
+  if (withheld_ == 0) return true;
+  const auto full = correction_at(m, 0, approach_);
+  if (!full) return false;
+  for (int k = 0; k < 3; ++k) {
+    if (!(withheld_ & (1u << k)) || std::abs((*full)[k]) <= job_.tolerance) continue;
+    refuse_block("E-POS",
+                 fmt::format("{} while {} stands where G53 put it, without its correction", what, "XYZ"[k]),
+                 "a word is not added to an axis that the program commanded in machine coordinates",
+                 "command the axis in the work offset first");
+    return false;
+  }
+  return true;
+}
+
 bool Rewriter::arc(const Move& move, std::string& out) {
   if (!feed_allowed(move)) return false;  // knows its start, and so its end
   if (in_.frames.rotated() && (modal_.plane != Plane::xy || (withheld_ & 3u))) {
@@ -328,18 +343,7 @@ bool Rewriter::arc(const Move& move, std::string& out) {
   if (!read_stretches(*nominal)) return false;
   if (approach_ != stands_) last_correction_.reset();  // it was for the other direction
   const auto last_approach = approach_;
-  if (withheld_ != 0) {
-    const auto full = correction_at(move.m1, 0, approach_);
-    if (!full) return false;
-    for (int k = 0; k < 3; ++k) {
-      if (!(withheld_ & (1u << k)) || std::abs((*full)[k]) <= job_.tolerance) continue;
-      refuse_block("E-POS",
-                   fmt::format("an arc while {} stands where G53 put it, without its correction", "XYZ"[k]),
-                   "a word is not added to an axis that the program commanded in machine coordinates",
-                   "command the axis in the work offset first");
-      return false;
-    }
-  }
+  if (!holds_withheld(move.m1, "an arc")) return false;
   const auto c1 = correction_at(move.m1, withheld_, stretches_.back().approach);
   if (!c1) return false;
   note_correction(move.m1, *c1);

@@ -34,7 +34,8 @@ void Rewriter::cycle(std::string& out) {
     approach_ = last_approach;  // Z goes down when the tool is above the hole
     if (expand_holes(holes, out)) return;
   }
-  const bool shifted = residual && !expands && keeps_shape(*residual);
+  const bool shifted = residual && !expands && keeps_shape(*residual) &&
+                       holds_withheld(in_.frames.to_machine((holes.first + holes.last()) / 2), "a cycle");
   if (shifted) {
     note_way_out(holes, shift);
     r_out = write_holes(holes, shift, out, end_out);
@@ -123,6 +124,7 @@ bool Rewriter::read_holes(Holes& holes) {
   if (repeats < 1 || repeats > 9999 || repeats != std::floor(repeats))
     return bad("the repeats of a cycle are a number from 1 to 9999", "the holes are not defined",
                "correct the word");
+  holes.times = static_cast<int>(repeats);
   holes.count = modal_.incremental ? static_cast<int>(repeats) : 1;
   const bool relative = modal_.incremental && !keeps_levels();
   holes.r = cycle_.r * unit + (relative ? in_.cycle_level : 0.0);

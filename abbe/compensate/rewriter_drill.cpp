@@ -52,12 +52,12 @@ bool Rewriter::expand_holes(const Holes& holes, std::string& out) {
   expansion.at = in_.p();
   expansion.p_out = out_.p();
   Vec3 hole = holes.first;
-  for (int i = 0; i < holes.count; ++i) {
+  for (int i = 0; i < holes.times; ++i) {
     if (!drill(holes, hole, expansion)) return false;
     hole += holes.step;
   }
   write_expansion(expansion, out);
-  report_.expanded_holes += static_cast<std::uint64_t>(holes.count);
+  report_.expanded_holes += static_cast<std::uint64_t>(holes.times);
   cycle_.expanded = true;
   move_text_ = "cycle: written as the motions that it makes, for the correction changes inside the hole";
   in_.m = in_.frames.to_machine(expansion.at);

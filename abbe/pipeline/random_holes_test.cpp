@@ -45,7 +45,7 @@ std::string holes(Random& random, bool fanuc) {
   text += "T1 M6\nG43 H1\nG0" + at('X', 0) + at('Y', 0) + at('Z', 40) + "\nF100 S1000 M3\n";
   for (int sequence = 0; sequence < 4; ++sequence) {
     // increments of R count from the level before the sequence: with G99 the tool would be below it
-    const bool dwells = random.chance(0.5), steps = random.chance(0.3);
+    const bool dwells = random.chance(0.5), steps = random.chance(0.3), twice = random.chance(0.1);
     text += "G0" + at('Z', random.between(20, 40)) + "\n";
     const Place place{random.between(-200, 200), random.between(-200, 200)};
     const double r = random.between(2, 15), z = random.between(-80, 1);
@@ -53,6 +53,7 @@ std::string holes(Random& random, bool fanuc) {
                         dwells ? "G82" : "G81");
     text += at('X', place.x) + at('Y', place.y) + at('R', r) + at('Z', z);
     text += dwells ? (fanuc ? " P300" : " P0.25") : "";
+    text += twice ? (fanuc ? " K2" : " L2") : "";
     text += random.chance(0.3) ? " M8 (holes)\n" : "\n";
     if (steps && !fanuc) {
       text += "G91" + at('X', random.between(1, 9)) + at('R', -12) + at('Z', -15) + " L3\nG90\n";
