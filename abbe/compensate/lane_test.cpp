@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <string>
 #include <variant>
 
@@ -43,6 +44,23 @@ TEST(Lane, LinesTogetherAreLinesOneByOne) {
     EXPECT_EQ(together.report.max_line, alone.report.max_line);
     for (std::size_t k = 0; k < 3; ++k)
       EXPECT_NEAR(together.report.max_correction[k], alone.report.max_correction[k], 1e-8);
+  }
+}
+
+TEST(Lane, ProgramsOfOthersAreTheSameOneByOne) {
+  const std::filesystem::path folder = ABBE_SOURCE_DIR "/../shared/data/gcode";
+  if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no programs beside the sources";
+  const Machine machine = five_axes();
+  constexpr std::uintmax_t kLongest = 300000;  // bytes
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+    if (!entry.is_regular_file() || entry.file_size() > kLongest) continue;
+    const std::string program = testing::slurp(entry.path().string());
+    RewriteJob job = testing::plain_job();
+    const Rewritten together = rewrite(machine, program, job);
+    job.one_by_one = true;
+    const Rewritten alone = rewrite(machine, program, job);
+    EXPECT_EQ(together.text, alone.text) << entry.path();
+    EXPECT_EQ(together.findings(), alone.findings()) << entry.path();
   }
 }
 

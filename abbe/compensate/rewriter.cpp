@@ -149,7 +149,10 @@ void Rewriter::lines(std::span<const std::string_view> texts, std::uint64_t numb
   while (!texts.empty()) {
     std::size_t done = too_long ? 0 : lane(texts, number, out);
     if (done == 0) {
-      done = std::min(texts.size(), kRows);
+      // Behind this line a run of plain ones may begin.
+      const bool run_next =
+          packet_.usable() && texts.size() > 1 && texts[1].find_first_of("ABC") != std::string_view::npos;
+      done = run_next ? 1 : std::min(texts.size(), kRows);
       block_lines(texts.first(done), number, too_long, out);
     }
     texts = texts.subspan(done);

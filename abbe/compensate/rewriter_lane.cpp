@@ -99,8 +99,10 @@ bool Rewriter::decide_turns(std::size_t i) {
     const TurnWord found =
         turn_word(Turning::linear, word.value, ahead.turns[k], ahead.turns[k], wanted, offsets[k], decimals);
     // a change of half a digit decides whether the word stays
-    sure = !found.clamped && rounds_surely(word.value + change / deg, decimals, doubt / deg) &&
-           rounds_surely(change / deg, decimals, doubt / deg);
+    const double digits =
+        std::abs(change) / deg * number_detail::kPower10[static_cast<std::size_t>(decimals)];
+    const bool decided = rounds_surely(change / deg, decimals, doubt / deg) || digits > 1;
+    sure = !found.clamped && decided && rounds_surely(word.value + change / deg, decimals, doubt / deg);
     ahead.stand[k] = found.position;
     ahead.numbers[k] = found.number;
   }
