@@ -451,7 +451,8 @@ class Rewriter {
   CutterState cutter_;
   std::optional<PlaneWay> last_way_;  ///< of the output, under cutter compensation
   unsigned still_ = 0;                ///< X and Y (bits 0 1) must not move in this block
-  int edge_ = -1;                     ///< D that was said last, where it chooses the edge of a tool
+  bool slopes_ = false;  ///< the block goes along Z as well: it may not be split beside a contour
+  int edge_ = -1;        ///< D that was said last, where it chooses the edge of a tool
   bool saved_g92_ = false;
   bool offset_doubtful_ = false;  ///< the control may have dropped the tool offset
   bool smoothing_said_ = false;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "abbe/compensate/rewriter.h"
@@ -28,7 +29,10 @@ constexpr double kNoWay = 1e-7;
 
 }  // namespace
 
-double Rewriter::shortest_end() const { return std::max(kShortestEnd, kEndRadii * std::abs(cutter_.offset)); }
+double Rewriter::shortest_end() const {
+  if (slopes_) return std::numeric_limits<double>::infinity();
+  return std::max(kShortestEnd, kEndRadii * std::abs(cutter_.offset));
+}
 
 // G40 G41 G42 of the block, and whether what else it says may stand under them.
 bool Rewriter::cutter_settings() {
@@ -136,6 +140,8 @@ bool Rewriter::cutter_allows(const Move& move) {
     return bad("a motion under cutter compensation while the position of an axis is not known",
                "the path, and so the side of the cutter, cannot be followed",
                "begin with rapid moves that name X, Y and Z, or give --start X..,Y..,Z..");
+  // What a control cuts off at a corner it takes off the way in Z as well, of the block beside the corner.
+  slopes_ = cutter_.offset != 0 && std::abs(move.m1.z() - move.m0.z()) > job_.tolerance;
   const bool changes = cutter_.phase == Phase::begins || cutter_.phase == Phase::ends;
   if (is_arc(instruction_.motion)) {
     if (changes)

@@ -158,6 +158,7 @@ void Rewriter::motion(std::string& out) {
     } else if (arc(move, out)) {
       return;
     }
+    out_.m = move.m1;
   } else if (move.known1 != needed_) {
     uncorrected(move, out);
   } else {
@@ -172,6 +173,7 @@ void Rewriter::motion(std::string& out) {
   stand(in_.turns, out_.turns);
   known_ = move.known1;
   last_correction_.reset();
+  last_way_.reset();
   start_corrected_ = false;
 }
 

@@ -207,9 +207,9 @@ INSTANTIATE_TEST_SUITE_P(Seeds, RewrittenRandomPrograms, testing::Range(0, 3));
 // Cutter compensation by LinuxCNC itself: on the machine with its errors the centre that it runs beside the
 // rewritten contour goes where, on the ideal machine, it goes beside the original one.
 void expect_rewritten_contours_follow(bool worn_only, double tolerance) {
-  constexpr int kContours = 40, kShown = 3;
+  constexpr int kContours = 25, kShown = 3;
   const std::string folder = scratch();
-  int different = 0;
+  int different = 0, followed = 0;
   double untouched = 0;
   for (int k = 1; k <= kContours && different < kShown; ++k) {
     const auto seed = static_cast<std::uint64_t>(k);
@@ -219,19 +219,22 @@ void expect_rewritten_contours_follow(bool worn_only, double tolerance) {
     ASSERT_TRUE(original.has_value());
     ASSERT_TRUE(original->accepted) << program << "\n" << original->message;
     const std::string wrong = wrong_with(program, *original, seed, tolerance, untouched);
-    if (wrong.empty()) {
+    const bool refused = wrong.starts_with("refused") && wrong.find("E-TOL") != std::string::npos;
+    followed += wrong.empty() ? 1 : 0;
+    if (wrong.empty() || refused) {  // a helix that may not be split
       std::filesystem::remove(program);
     } else {
       ++different;
       ADD_FAILURE() << program << "\n" << wrong;
     }
   }
+  EXPECT_GT(followed, kContours / 2);
   EXPECT_GT(untouched, 5 * tolerance) << "nothing was compensated";
 }
 
 TEST(RewrittenContours, TheCutterFollowsTheOriginal) {
   if (!have_oracle()) GTEST_SKIP() << kNoOracle;
-  constexpr double kWithRadius = 5 * um;  // the radius costs its part
+  constexpr double kWithRadius = 3 * um;  // the radius costs its part
   expect_rewritten_contours_follow(false, kWithRadius);
 }
 
