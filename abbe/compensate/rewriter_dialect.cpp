@@ -118,7 +118,7 @@ bool Rewriter::may_move() {
                  units ? "a motion before the program says inches or millimetres"
                        : "a motion before the program says G90 or G91",
                  "what the control does depends on what ran before",
-                 units ? "write G21 or G20 at the top, or give --units"
+                 units ? "write G21 or G20 (BEGIN PGM .. MM) at the top, or give --units"
                        : "write G90 at the top, or state start.distance in a profile of your own");
     modal_.units_stated = modal_.distance_stated = modal_.stated = true;  // said once
     return false;

@@ -70,7 +70,7 @@ bool Rewriter::read_move(Move& move) {
   if ((distances & move.named & shifted_) != 0 || (modal_.incremental && (move.named & shifted_) != 0)) {
     refuse_block("E-POS", "an increment of an axis whose zero has moved since it was commanded",
                  "the control adds that shift to it, or does not, as a setting says",
-                 "command the axis in G90 first");
+                 "command the axis to a place first: in G90, or without I");
     return false;
   }
   if (!modal_.incremental) shifted_ &= ~(move.named & ~distances);

@@ -111,6 +111,13 @@ def ways(program):
     return HOW.get(program, KLARTEXT if program.endswith(".h") else USUAL)
 
 
+def write_tools(folder, program):
+    """100 mm for every tool, or the length that a conversational program states (TOOL DEF 5 L+10)."""
+    stated = dict(re.findall(r"TOOL DEF (\d+) L([+-]?[\d.]+)", program.read_text("latin-1"))) if program.suffix == ".h" else {}
+    lines = (f"T{n} P{n} Z{float(stated.get(str(n), 100))} D10 ; gauge=100\n" for n in range(1, 200))
+    (folder / "tool.tbl").write_text("".join(lines))
+
+
 def command_of(way, abbe, folder, machine_file, program, output):
     control, _, options = way
     command = [abbe, "compensate", machine_file, program, "-o", output, "--header", "none", "--json", "--dialect", control]
@@ -180,7 +187,7 @@ Abbe, none is part of the repository) has one of two fates:
 - **Refused** ({len(refused)}): nothing is written; the first reason and its line, then the codes of all other findings.
 
 A test repeats the programs of up to {SHORT} lines on one machine, and fails when a fate or the code of a first reason changes. Every program is given
-work offsets at zero, a tool table with 100 mm for every tool, and the start X0 Y0 Z0. The machine: its axes; behind `/` the part of
+work offsets at zero, a tool table with 100 mm for every tool (or what TOOL DEF says), and the start X0 Y0 Z0. The machine: its axes; behind `/` the part of
 the usual errors (tens of micrometres and of urad per half metre) that cycles allow, inside which nothing can be corrected.
 
 ## Accepted
@@ -226,9 +233,9 @@ def main():
     answers = {}
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        (folder / "tool.tbl").write_text("".join(f'T{n} P{n} Z100 D10 ; gauge=100\n' for n in range(1, 200)))
         for key, program in programs.items():
             if a.write or program.read_bytes().count(10) <= SHORT:
+                write_tools(folder, program)
                 for way in ways(key):
                     answers[key, way[0]] = judge(key, way, a.abbe, program, folder, seeds)
     if a.write:
