@@ -102,9 +102,6 @@ class Control {
   void move_zero(const Vec3& before);
   bool increments_sure();
   bool non_modal();  // G10 G28 G30 G52 G92
-  bool set_system();
-  bool set_g92(int code);
-  void go_home(int code);
   bool move();
   bool straight();
   bool arc();
@@ -117,6 +114,10 @@ class Control {
   void begin_motion(MotionKind kind);
   void turn(int code);
 
+  // control_offsets.cpp
+  bool set_system();
+  bool set_g92(int code);
+  void go_home(int code);
   // control_frame.cpp
   bool change_frame(int code);
   bool begin_plane();
