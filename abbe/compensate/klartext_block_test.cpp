@@ -58,7 +58,7 @@ TEST(KlartextBlock, OtherBlocksAreUnderstood) {
   EXPECT_EQ(words_of("8 CYCL CALL M8"), "M99 M8");
   EXPECT_EQ(words_of("8 TOOL DEF 5 L+10.5 R+3"), "T5 L10.5 R3");
   EXPECT_EQ(words_of("8 CALL LBL \"A B\""), "");
-  EXPECT_EQ(words_of("8 PLANE RESET  STAY"), "RESET");
+  EXPECT_EQ(words_of("8 PLANE RESET  STAY"), "RESET P0");
   EXPECT_EQ(words_of("8 FUNCTION TCPM F TCP AXIS POS PATHCTRL AXIS"), "M128");
   EXPECT_EQ(words_of("8 FUNCTION RESET TCPM"), "M129");
   EXPECT_EQ(words_of("8 L M124 T0.01"), "G1 MPOINTS");

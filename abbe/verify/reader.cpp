@@ -313,7 +313,8 @@ struct ProgramReader::State {
   /// Everything that the block says has been handed out, and nothing of it changes what comes next.
   [[nodiscard]] bool block_is_done() const {
     return event_index == control.before().size() && (motion_given || control.motion() == nullptr) &&
-           after_index == control.after().size() && control.flow() == 0 && !control.ended();
+           (hole_given || control.hole() == nullptr) && after_index == control.after().size() &&
+           control.flow() == 0 && !control.ended();
   }
 
   [[nodiscard]] bool between_blocks() const {
