@@ -87,8 +87,9 @@ Tip tip_of(const Plan& plan, const ControlSetup& setup, bool actual) {
 constexpr double kSpeck = 5 * um;
 std::vector<Motion> without_specks(std::vector<Motion> motions) {
   std::erase_if(motions, [](const Motion& motion) {
-    return motion.kind == Motion::Kind::arc && (motion.end - motion.start).norm() < kSpeck &&
-           (point_at(motion, 0.5) - motion.start).norm() < kSpeck;
+    const auto is_near = [&](double s) { return (point_at(motion, s) - motion.start).norm() < kSpeck; };
+    // whole turns come back to the start, two of them half-way, too
+    return motion.kind == Motion::Kind::arc && is_near(1) && is_near(0.5) && is_near(0.3);
   });
   return motions;
 }
@@ -112,8 +113,11 @@ std::string wrong_with(const std::string& program, const Run& original, std::uin
   auto* spool = std::get_if<SpoolFile>(&created);
   if (spool == nullptr) return "no spool";
   const RewriteReport report = rewrite_program(*plan, job, *spool);
-  if (!report.complete)
-    return "refused: " + (report.diagnostics.empty() ? "" : to_text(report.diagnostics.front()));
+  if (!report.complete) {
+    const auto reason = std::find_if(report.diagnostics.begin(), report.diagnostics.end(),
+                                     [](const Diagnostic& d) { return d.severity == Severity::error; });
+    return "refused: " + (reason == report.diagnostics.end() ? "" : to_text(*reason));
+  }
   if (!spool->publish()) return "not published";
 
   const auto rewritten = run(output);
