@@ -91,9 +91,11 @@ std::string rewrite_text(const RewriteReport& rewrite) {
                  fmt::format("inside drilling cycles up to {} um remain", length_um(rewrite.cycle_residual)));
   }
   if (rewrite.shortest_split > 0) {
-    const std::string time = rewrite.shortest_split_time > 0
-                                 ? fmt::format(", {:.3g} ms at its feed", rewrite.shortest_split_time * 1e3)
-                                 : std::string();
+    const double seconds = rewrite.shortest_split_time;
+    const bool brief = seconds < 0.1;
+    const std::string time = seconds > 0 ? fmt::format(", {:.3g} {} at its feed",
+                                                       brief ? seconds * 1e3 : seconds, brief ? "ms" : "s")
+                                         : std::string();
     text += line("split", fmt::format("shortest new piece {:.3g} mm{}", rewrite.shortest_split, time));
   }
   if (rewrite.held_splits > 0) {
