@@ -170,7 +170,7 @@ class Rewriter {
   bool spatial_plane();
   bool swivel_plane();
   bool reset_plane();
-  bool tool_to_plane(std::optional<int> side);
+  bool tool_to_plane(std::optional<int> side, bool stands = false);
   bool stand_on_plane();
   bool stands_on_plane(const Turns& turns);
   void end_plane();
@@ -209,6 +209,7 @@ class Rewriter {
 
   // rewriter_time.cpp: how long the pieces of a motion last
   void measure_split(double length, double angle = 0);
+  bool keep_block_time(std::vector<std::size_t>& ends);
   void note_piece(double share);
   void hold_splits(double residual);
   bool refuse_short_blocks(double residual);

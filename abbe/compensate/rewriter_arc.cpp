@@ -387,7 +387,7 @@ bool Rewriter::fit_part(const Arc& nominal, double s0, double end, const Vec3& s
 }
 
 bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
-  measure_split(nominal.length());
+  measure_split(nominal.length() * in_.frames.stretch());  // F is of the way on the machine
   const bool by_pole = profile_.text.conversational;
   if (by_pole) {
     const auto leaves = leaves_plane(nominal, p_out.z());

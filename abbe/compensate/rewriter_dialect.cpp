@@ -83,7 +83,7 @@ bool Rewriter::settle_numbers() {
                        (word.letter >= 'A' && word.letter <= 'C') ||
                        (word.letter >= 'I' && word.letter <= 'K' && instruction_.frame == FrameChange::plane);
     if (!has_point(*block_, word) && rules.integer_words != IntegerWords::units) {
-      if (rules.integer_words == IntegerWords::ask || time) {
+      if (rules.integer_words == IntegerWords::ask || time || of_curve || direction) {
         refuse(word, "E-DECIMAL",
                fmt::format("{}: a number without a decimal point",
                            block_->text.substr(word.begin, static_cast<std::size_t>(word.end - word.begin))),

@@ -86,7 +86,9 @@ bool Rewriter::drill(const Holes& holes, const Vec3& hole, Expansion& expansion)
   if (!c || !sample_line(move, *c, approach_)) return false;
   last_correction_.reset();
   note_correction(move.m1, *c);
-  const std::vector<std::size_t> ends = split_move(samples_, interpolation_);
+  std::vector<std::size_t> ends = split_move(samples_, interpolation_);
+  measure_split((move.m1 - move.m0).norm());
+  if (!keep_block_time(ends)) return false;
   std::vector<double> places;
   const bool dwells = cycle_.code == 820 && cycle_.dwells;
   const bool stops = profile_.g[kG9].meaning == Meaning::exact_stop_once;

@@ -42,8 +42,9 @@ void Rewriter::define_hole(std::string& out) {
     hole_.definition.cycle = block_->cycle;
     const std::size_t begin = block_->text.find("CYCL");
     hole_.definition.title = std::string(block_->text.substr(begin, block_->words_end - begin));
-    held_from_ = holds_ ? out.size() : 0;
-    holds_ = depth_ == 0;  // a subprogram is written elsewhere
+    // One inside a subprogram is written elsewhere; what is held is then written as it is.
+    if (depth_ == 0) held_from_ = holds_ ? out.size() : 0;
+    holds_ = depth_ == 0;
   }
   for (int i = 0; i < block_->count; ++i) {
     const auto k = static_cast<std::size_t>(i);

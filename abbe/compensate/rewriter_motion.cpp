@@ -390,6 +390,14 @@ void Rewriter::command(const Vec3& want, bool first, Vec3& p_out, std::string* e
     const Word* named = axis_word(k);
     const Word* word = first ? named : nullptr;
     Value value = axis_value(k, want, p_out, first, base);
+    if (value.written && named == nullptr && modal_.incremental && (shifted_ >> k & 1) != 0) {
+      if (std::abs(value.number) < 3 * half_digit(decimals_of(named))) continue;  // of rounding
+      refuse_block("E-POS",
+                   fmt::format("the correction asks for an increment of {}, whose zero has moved", "XYZ"[k]),
+                   "the control adds that shift to it, or does not, as a setting says",
+                   "command the axis to a place first: in G90, or without I");
+      return;
+    }
     if (value.written) value.number = put("XYZ"[k], word, value.number, decimals_of(named), first, extra);
     if (value.written || word) p_out[k] = base + value.number * modal_.unit();
   }
@@ -482,12 +490,7 @@ bool Rewriter::straight(const Move& move, std::string& out) {
       }
       ends = split_move(samples_, interpolation_);
       measure_split(way.norm());
-      if (const auto joined = join_short(samples_, ends, splitting_.least); joined.size() < ends.size()) {
-        ends = joined;
-        const double residual = farthest_off(samples_, ends);
-        if (residual > job_.tolerance) return refuse_short_blocks(residual);
-        hold_splits(residual);
-      }
+      if (!keep_block_time(ends)) return false;
     }
   }
   if (cutter_.acts() && feed && !keep_ends_whole(move, ends)) return false;

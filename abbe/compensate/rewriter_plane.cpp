@@ -94,7 +94,8 @@ bool Rewriter::spatial_plane() {
   const Word* turns = instruction_.find(*block_, 'P');
   turned_by_words_ = turns == nullptr || turns->value == 0;
   if (turned_by_words_) return true;
-  return tool_to_plane(side != nullptr ? std::optional<int>(side->value < 0 ? -1 : 1) : std::nullopt);
+  // without SEQ this control takes the nearer way: sure only where the tool stands on the plane already
+  return side != nullptr ? tool_to_plane(side->value < 0 ? -1 : 1) : tool_to_plane(std::nullopt, true);
 }
 
 // CYCLE800(..): a new one takes the place of the one before.
@@ -135,7 +136,7 @@ bool Rewriter::reset_plane() {
 
 // G53.1: the control turns the rotary axes itself. They end where they stand already, but for the digits of
 // their words and a correction of them; or where the machine file says.
-bool Rewriter::tool_to_plane(std::optional<int> side) {
+bool Rewriter::tool_to_plane(std::optional<int> side, bool stands) {
   if (plane_ != PlaneStage::declared) {
     refuse_block("E-PLANE", "the tool is sent to a plane that is not declared, or stands on it already",
                  "where the rotary axes go is not known", "write G68.2 X.. Y.. Z.. I.. J.. K.. before");
@@ -145,7 +146,7 @@ bool Rewriter::tool_to_plane(std::optional<int> side) {
   const PlaneTurns turns(field_.control(), axes_, field_.tool());
   const Vec3 normal = in_.frames.matrix().col(2);
   std::optional<Turns> target;
-  if (auto tilt = machine_.control.tilt) {
+  if (auto tilt = machine_.control.tilt; tilt && !stands) {
     tilt->sign = side.value_or(tilt->sign);
     target = turns.on_side(normal, in_.turns, *tilt);
   } else if ((known_ & rotary) == rotary && !side) {

@@ -90,8 +90,8 @@ void Rewriter::hold_line(bool has_point) {
 
 void Rewriter::spline(std::string& out) {
   if (motion_lost_) return;  // a block of a curve that was refused
-  if (in_.frames.placed()) {
-    refuse_block("E-SPLINE", "a curve in a tilted, scaled or mirrored frame",
+  if (in_.frames.placed() || tcp_) {
+    refuse_block("E-SPLINE", "a curve in a tilted, scaled or mirrored frame, or of the tip (G43.4, G43.5)",
                  "what becomes of it is not followed", "post the curve as lines");
     return abandon_spline();
   }

@@ -33,6 +33,17 @@ void Rewriter::note_piece(double share) {
   keep_least(report_.shortest_split_time, share * splitting_.time);
 }
 
+// Joins the pieces of the line in samples_ that would be too short. False: refused, too much would remain.
+bool Rewriter::keep_block_time(std::vector<std::size_t>& ends) {
+  const std::vector<std::size_t> joined = join_short(samples_, ends, splitting_.least);
+  if (joined.size() == ends.size()) return true;
+  ends = joined;
+  const double residual = farthest_off(samples_, ends);
+  if (residual > job_.tolerance) return refuse_short_blocks(residual);
+  hold_splits(residual);
+  return true;
+}
+
 // The motion has fewer pieces than half the tolerance asks for.
 void Rewriter::hold_splits(double residual) {
   ++report_.held_splits;

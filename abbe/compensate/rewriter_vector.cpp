@@ -128,7 +128,7 @@ bool Rewriter::settle_vector(double s, const Turns& meant, const Turns& wanted, 
     return answer.trouble == ToolVectors::Trouble::none;
   };
   const Vec3 best = vectors_.vector_of(wanted);
-  const Vec3 off = written.norm() * frames.vector_to_program(best) - written;
+  const Vec3 off = length * (frames.vector_to_program(best) - written.normalized());
   const bool last = s >= 1;
   const bool stays = last && off.cwiseAbs().maxCoeff() <= half_digit(decimals);
   if (take(stays ? written : rounded(best, length))) return true;

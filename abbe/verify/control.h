@@ -129,7 +129,7 @@ class Control {
   bool end_stretches();
   bool place_plane(const Vec3& origin);
   bool tool_to_plane();
-  bool lay_tool(std::optional<int> side);
+  bool lay_tool(std::optional<int> side, bool stands = false);
   bool reset_plane();
   bool stand_on_plane();
   bool scale();

@@ -125,7 +125,7 @@ bool Control::begin_spatial_plane() {
   place_plane(Vec3::Zero());
   laid_by_words_ = b['P'] == 0;
   if (laid_by_words_) return true;
-  return lay_tool(b.has('Q') ? std::optional<int>(b['Q'] < 0 ? -1 : 1) : std::nullopt);
+  return b.has('Q') ? lay_tool(b['Q'] < 0 ? -1 : 1) : lay_tool(std::nullopt, true);
 }
 
 /// The numbers in the brackets of CYCLE800, blank ones as 0. False: something else stands there.
@@ -279,11 +279,12 @@ bool Control::tool_to_plane() {
   return lay_tool(std::nullopt);
 }
 
-/// The control turns its axes to the plane. `side`: of zero, of the axis that the machine file names.
-bool Control::lay_tool(std::optional<int> side) {
+/// The control turns its axes to the plane. `side`: of zero, of the axis that the machine file names;
+/// `stands`: where the tool stands on the plane already.
+bool Control::lay_tool(std::optional<int> side, bool stands) {
   const Vec3& normal = frames_.placement.axes[2];
   std::optional<Turns> laid;
-  if (auto tilt = rotary_->tilt()) {
+  if (auto tilt = rotary_->tilt(); tilt && !stands) {
     tilt->sign = side.value_or(tilt->sign);
     laid = laid_on_side(*rotary_, normal, turns_, *tilt);
   } else if (!side && unknown_turns_ == 0 && askew(*rotary_, normal, turns_) < kMostAskew) {

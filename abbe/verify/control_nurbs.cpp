@@ -19,7 +19,8 @@ bool Control::nurbs_block() {
   };
   if (stated == nurbs_open_)
     return refuse_it(stated ? "a curve inside a curve" : "a knot behind the end of its curve");
-  if (frames_.placement.on()) return refuse_it("a curve in a tilted, scaled or mirrored frame");
+  if (frames_.placement.on() || tcp_)
+    return refuse_it("a curve in a tilted, scaled or mirrored frame, or of the tip (G43.4, G43.5)");
   if (incremental_ || feed_mode_ == 930 || block_->deletable)
     return refuse_it("a curve in G91 or G93, or one that can be deleted");
   if (stated) {

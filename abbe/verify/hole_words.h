@@ -12,7 +12,7 @@ namespace abbe::verifying {
 /// remembers until it is called. Written apart from the rewriter's.
 struct HoleWords {
   static constexpr int kMost = 20;
-  static constexpr double kNamedFeed = -1;  ///< a feed that is a word: FAUTO, MAX
+  static constexpr double kFeedOfProgram = -1, kRapid = -2;  ///< feeds that are words: FAUTO, FMAX
   int cycle = 0;                            ///< 0: none
   int count = 0;
   std::array<std::int16_t, kMost> name;  ///< 203 of Q203

@@ -507,8 +507,9 @@ class KlartextScanner : public WordTaker {
                    "post literal numbers");
       const std::string_view said = stripped(word.substr(equals + 1));
       const bool feed = q == 206 || q == 208 || q == 253 || q == 254;
-      double value = HoleWords::kNamedFeed;
-      if (!(feed && (said == "MAX" || said == "FMAX" || said == "AUTO" || said == "FAUTO"))) {
+      const bool rapid = said == "MAX" || said == "FMAX";
+      double value = rapid ? HoleWords::kRapid : HoleWords::kFeedOfProgram;
+      if (!feed || !(rapid || said == "AUTO" || said == "FAUTO")) {
         if (!number(said, name, value)) return false;
         if (feed && value < 0)
           return bad(name, "E-EXPR", "a negative feed", "no feed is negative", "correct it");

@@ -1,5 +1,6 @@
 #include "abbe/verify/nurbs.h"
 
+#include <algorithm>
 #include <cstddef>
 
 namespace abbe::verifying {
@@ -43,7 +44,12 @@ Vec3 point_of(const Nurbs& nurbs, double u) {
   Vec3 sum = Vec3::Zero();
   double whole = 0;
   const auto order = static_cast<std::size_t>(nurbs.order);
-  for (std::size_t i = 0; i < nurbs.points.size(); ++i) {
+  // Only the points whose knots lie about u have a share: i < first knot above u, and u <= knots[i + order].
+  const auto& t = nurbs.knots;
+  const auto above = static_cast<std::size_t>(std::upper_bound(t.begin(), t.end(), u) - t.begin());
+  const auto from = static_cast<std::size_t>(std::lower_bound(t.begin(), t.end(), u) - t.begin());
+  const std::size_t first = from > order ? from - order : 0, last = std::min(above, nurbs.points.size());
+  for (std::size_t i = first; i < last; ++i) {
     if (u < nurbs.knots[i] || u > nurbs.knots[i + order]) continue;
     const double share = basis(nurbs.knots, i, order, u) * nurbs.weights[i];
     sum += share * nurbs.points[i];

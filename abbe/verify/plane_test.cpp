@@ -97,11 +97,16 @@ TEST(TiltedPlane, SpatialAnglesTurnAboutFixedAxes) {
   expect_place(end_of(klartext(plane + "3 L X+100 Y+0 Z+0 R0 FMAX\n"), "heidenhain"), {0, 100, 0});
   // about X by 10, then Y by 20: x -> x -> (cos 20, 0, -sin 20)
   std::string code;
-  const std::string other = "1 PLANE SPATIAL SPA+0 SPB+20 SPC+0 TURN FMAX\n3 L X+100 Y+0 Z+0 R0 FMAX\n";
+  const std::string other = "1 PLANE SPATIAL SPA+0 SPB+20 SPC+0 TURN SEQ- FMAX\n3 L X+100 Y+0 Z+0 R0 FMAX\n";
   expect_place(end_of(klartext(other), "heidenhain", &code,
                       kTable + "tilt_solution = \"A-\"\n[control.axis.C]\nturning = \"shortest\"\n"),
                {93.96926208, 0, -34.20201433});
   EXPECT_EQ(code, "");
+  // without SEQ this control takes the nearer way, whatever the machine file says of others
+  const std::string nearer = "1 PLANE SPATIAL SPA+0 SPB+20 SPC+0 TURN FMAX\n3 L X+100 Y+0 Z+0 R0 FMAX\n";
+  EXPECT_FALSE(end_of(klartext(nearer), "heidenhain", &code,
+                      kTable + "tilt_solution = \"A-\"\n[control.axis.C]\nturning = \"shortest\"\n"));
+  EXPECT_EQ(code, "E-PLANE");
 }
 
 // MODE 27: about Z, then the new Y, then the new X; the plane's own shift is along its axes.
