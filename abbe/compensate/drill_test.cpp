@@ -126,6 +126,16 @@ TEST(ExpandDrill, BentHolesGoInPiecesAndComeOutTheSameWay) {
   EXPECT_EQ(result.text.find("G80"), result.text.rfind("Z2.0000\n") + 8) << result.text;
 }
 
+/// The pieces of the way down keep the least time of a block: 32 mm at F100 last 19 s.
+TEST(ExpandDrill, ItsPiecesLastAsLongAsBlocksMust) {
+  RewriteJob job = expanding();
+  job.block_time = 15;
+  const auto result = rewrite(three_axes({{"EYZ", poly(2, {0, 0, 1e-5})}}),
+                              "G0 X0 Y0 Z2\nG99 G81 X5 Y5 Z-30 R2 F100\nG80\nM2\n", job);
+  EXPECT_FALSE(result.report.complete) << result.text;
+  EXPECT_NE(result.findings().find("E-TOL"), std::string::npos) << result.findings();
+}
+
 TEST(ExpandDrill, OtherCyclesAndStatesAreRefused) {
   const std::string start = "G0 X0 Y0 Z10\n";
   for (const char* cycle :

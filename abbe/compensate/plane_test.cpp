@@ -144,6 +144,13 @@ TEST(TiltedPlane, SpatialAnglesTurnAboutTheFixedAxes) {
   EXPECT_THAT(written(turn + "3 L X+0 Y+100 Z+0 R0 FMAX\n", "tilt_solution = \"A+\"\n"),
               HasSubstr("3 L X+0 Y+99.9362 Z+0 R0 FMAX\n"));
   EXPECT_THAT(written(turn + "3 L X+0 Y+100 Z+0 R0 FMAX\n"), HasSubstr("E-PLANE"));
+  const std::string nearer = "1 L A-30 C+90 R0 FMAX\n2 PLANE SPATIAL SPA+30 SPB+0 SPC-90 TURN FMAX\n";
+  EXPECT_THAT(written(nearer + "3 L X+0 Y+100 Z+0 R0 FMAX\n", "tilt_solution = \"A+\"\n"),
+              HasSubstr("3 L X+0 Y+99.9362 Z+0 R0 FMAX\n"))
+      << "without SEQ the tool stays where it stands";
+  EXPECT_THAT(written("1 PLANE SPATIAL SPA+30 SPB+0 SPC-90 TURN FMAX\n3 L X+0 Y+100 Z+0 R0 FMAX\n",
+                      "tilt_solution = \"A+\"\n"),
+              HasSubstr("E-PLANE"));
   EXPECT_THAT(written("1 PLANE EULER EULPR+10 EULNU+20 EULROT+30 STAY\n"), HasSubstr("E-PLANE"));
   EXPECT_THAT(written("1 PLANE SPATIAL SPA+30 SPC-90 STAY\n"), HasSubstr("E-PLANE"));
   EXPECT_THAT(written(plane + "2 L A-30 C+90 R0 FMAX\n3 L X+0 Y+100 Z+0 R0 FMAX\n4 PLANE RESET STAY\n"

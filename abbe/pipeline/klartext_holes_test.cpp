@@ -72,6 +72,20 @@ TEST(KlartextHoles, EachHeightHasItsDefinition) {
       << result.output;
 }
 
+// A definition inside a subprogram is not the one that is held: 201 keeps its Q203, 200 gets its own.
+TEST(KlartextHoles, DefinitionsInsideSubprogramsAreApart) {
+  const std::string ream =
+      "4 CYCL DEF 201 REAM Q200=2 Q201=-9 Q206=100 Q211=0 Q208=500 Q203=+1.2345 Q204=20\n";
+  const ProgramRun result =
+      run(kSlope, std::string(kHead) + ream +
+                      "5 CYCL DEF 200 DRILL Q200=2 Q201=-10 Q206=150 Q202=5 Q210=0 Q203=+0 Q204=20 Q211=0\n"
+                      "6 CALL LBL 1\n7 L Z+100 FMAX\n8 M30\n9 LBL 1\n10 L X+100 Y+10 FMAX M99\n"
+                      "11 CYCL DEF 201 REAM Q200=2 Q201=-10 Q206=150 Q211=0 Q208=500 Q203=+0 Q204=20\n"
+                      "12 L X+50 FMAX M99\n13 LBL 0\n14 END PGM A MM\n");
+  ASSERT_EQ(result.outcome.end, ProgramEnd::done) << findings(result.outcome) << result.output;
+  EXPECT_NE(result.output.find(ream), std::string::npos) << result.output;
+}
+
 TEST(KlartextHoles, WithoutErrorsNoByteChanges) {
   const std::string program = std::string(kHead) + kDrill +
                               "5 L X+100 Y+10 FMAX M99\n6 L X+50 FMAX\n7 CYCL CALL M8\n8 L X+20 FMAX M89\n"

@@ -99,6 +99,7 @@ TEST(KlartextWords, OtherWaysOfSayingTheSameAgree) {
 TEST(KlartextWords, WhateverChangesIsFound) {
   const std::vector<std::pair<std::string, std::string>> changes = {
       {"; start", "; Start"},
+      {"Q206=FAUTO", "Q206=FMAX"},
       {"BLK FORM 0.1 Z X+0", "BLK FORM 0.1 Z X+1"},
       {"\"MILL 10\"", "\"MILL 11\""},
       {"S1000", "S100"},
