@@ -96,24 +96,45 @@ TurningBend::~TurningBend() = default;
 TurningBend::TurningBend(TurningBend&&) noexcept = default;
 TurningBend& TurningBend::operator=(TurningBend&&) noexcept = default;
 
-TurningBend::Bound TurningBend::bound(const EvenMove& move) const {
+MoveExtent extent_of(const EvenMove& move) {
+  MoveExtent extent;
+  for (std::size_t k = 0; k < kMaxAxes; ++k) {
+    const double from = move.done_from[k] - move.meant_from[k], to = move.done_to[k] - move.meant_to[k];
+    const auto [lo, hi] = std::minmax(move.done_from[k], move.done_to[k]);
+    extent.axes[k] = {lo, hi, hi - lo, std::abs(to - from), std::max(std::abs(from), std::abs(to))};
+  }
+  return extent;
+}
+
+MoveExtent MoveRun::extent(std::size_t first, std::size_t end, std::size_t axis_count) const {
+  MoveExtent extent;
+  const auto places = static_cast<Eigen::Index>(end - first + 1);
+  const auto farthest = [&](const auto& row) {
+    return (row.tail(places - 1) - row.head(places - 1)).abs().maxCoeff();
+  };
+  for (std::size_t k = 0; k < axis_count; ++k) {
+    const Eigen::Map<const Eigen::ArrayXd> is(done[k].data() + first, places),
+        wanted(meant[k].data() + first, places);
+    const Eigen::Array<double, Eigen::Dynamic, 1, 0, kMost + 1, 1> off = is - wanted;  // not from the heap
+    extent.axes[k] = {is.minCoeff(), is.maxCoeff(), farthest(is), farthest(off), off.abs().maxCoeff()};
+  }
+  return extent;
+}
+
+TurningBend::Bound TurningBend::bound(const MoveExtent& extent) const {
   if (constants_ == nullptr) return {};
   const Constants& c = *constants_;
-  std::array<double, kMaxAxes> ways{};
   std::array<bool, kMaxAxes> jumps_in{};
   double way = 0, change = 0, offset = 0, turn = 0, turn_change = 0, turn_offset = 0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(c.axis_count); ++k) {
-    const double from = move.done_from[k] - move.meant_from[k], to = move.done_to[k] - move.meant_to[k];
-    const auto [lo, hi] = std::minmax(move.done_from[k], move.done_to[k]);
+    const auto& [lo, hi, its_way, changed, off] = extent.axes[k];
     const Constants::Axis& axis = c.axes[k];
-    ways[k] = hi - lo;
     jumps_in[k] = axis.jumps_between(lo, hi);
-    if (!(lo > -axis.open && hi < axis.open) || (jumps_in[k] && !(ways[k] < axis.reach))) return {};
+    if (!(lo > -axis.open && hi < axis.open) || (jumps_in[k] && !(its_way < axis.reach))) return {};
     // in registers: sums in an array would have to be waited for
     const double is_turn = axis.turns, is_slide = 1 - is_turn;
-    const double changed = std::abs(to - from), off = std::max(std::abs(from), std::abs(to));
-    way += is_slide * ways[k];
-    turn += is_turn * ways[k];
+    way += is_slide * its_way;
+    turn += is_turn * its_way;
     change += is_slide * changed;
     turn_change += is_turn * changed;
     offset += is_slide * off;
@@ -129,7 +150,7 @@ TurningBend::Bound TurningBend::bound(const EvenMove& move) const {
   double jumps = 0, jumps_turn = 0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(c.axis_count); ++k) {
     const Constants::Axis& axis = c.axes[k];
-    const double s = ways[k];
+    const double s = extent.axes[k].way;
     if (s == 0) continue;
     errors += s * (s * axis.square + w * axis.with_turn + v * axis.with_slide);
     errors_turn += s * (s * axis.turn_square + w * axis.turn_with_turn);

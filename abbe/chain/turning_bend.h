@@ -14,6 +14,28 @@ struct EvenMove {
   std::array<double, kMaxAxes> meant_from{}, meant_to{}, done_from{}, done_to{};
 };
 
+/// How far the axes go in a move, or at most in each of several, mm and rad.
+struct MoveExtent {
+  struct Axis {
+    double lo = 0, hi = 0;  ///< of what is done
+    double way = 0;         ///< |done_to - done_from|
+    double change = 0;      ///< |(done - meant) at the end - at the start|
+    double offset = 0;      ///< |done - meant| at either end
+  };
+  std::array<Axis, kMaxAxes> axes{};
+};
+[[nodiscard]] MoveExtent extent_of(const EvenMove& move);
+
+/// Moves one after the other, the positions of each axis side by side: move i goes from place i to i + 1.
+struct MoveRun {
+  static constexpr std::size_t kMost = 16;
+  using Row = std::array<double, kMost + 1>;
+  std::array<Row, kMaxAxes> meant{}, done{};
+
+  /// Of the moves first .. end - 1 (first < end <= kMost), those of `axis_count` axes.
+  [[nodiscard]] MoveExtent extent(std::size_t first, std::size_t end, std::size_t axis_count) const;
+};
+
 /// How far inside a move the tip may be from where it is meant to be, beyond what is so at its ends. With
 /// N the nominal and N + E the actual tip, q what is meant and x what is done, both even in t,
 ///
@@ -34,7 +56,8 @@ struct EvenMove {
 /// units    mm, rad
 /// errors   infinite where nothing is known: functions that are not tabulated, steps, a control that
 ///          reckons with a chain of its own, a rotary axis without travels far from zero
-/// laws     TurningBend.MovesBendNoMoreThanTheBound, TurningBend.WhatIsNotTabulatedIsNotKnown
+/// laws     TurningBend.MovesBendNoMoreThanTheBound, TurningBend.WhatIsNotTabulatedIsNotKnown,
+///          TurningBend.TheBoundOfSeveralMovesIsOneOfEach
 /// cost     make: once per tool; bound: about 20 ns, no allocation
 class TurningBend {
  public:
@@ -47,7 +70,8 @@ class TurningBend {
     double position = std::numeric_limits<double>::infinity();   ///< mm
     double direction = std::numeric_limits<double>::infinity();  ///< rad
   };
-  [[nodiscard]] Bound bound(const EvenMove& move) const;
+  [[nodiscard]] Bound bound(const MoveExtent& extent) const;
+  [[nodiscard]] Bound bound(const EvenMove& move) const { return bound(extent_of(move)); }
 
  private:
   struct Constants;

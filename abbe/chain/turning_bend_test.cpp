@@ -20,7 +20,7 @@ Machine with_known_errors(RandomMachine& random) {
     Machine one = machine;
     one.errors = {error};
     const Plan plan = std::get<Plan>(make_plan(one, kWarm));
-    if (std::isfinite(TurningBend(plan, tool_of(machine)).bound({}).position)) kept.push_back(error);
+    if (std::isfinite(TurningBend(plan, tool_of(machine)).bound(EvenMove{}).position)) kept.push_back(error);
   }
   machine.errors = kept;
   return machine;
@@ -91,7 +91,7 @@ TEST(TurningBend, WhatIsNotTabulatedIsNotKnown) {
   machine.errors[0].function =
       ErrorFunction::product({*ErrorFunction::polynomial(0, {0, 1}), *ErrorFunction::polynomial(1, {0, 1})});
   const TurningBend bend(std::get<Plan>(make_plan(machine, kWarm)), tool_of(machine));
-  EXPECT_FALSE(std::isfinite(bend.bound({}).position));
+  EXPECT_FALSE(std::isfinite(bend.bound(EvenMove{}).position));
 }
 
 }  // namespace

@@ -96,22 +96,25 @@ TEST(TurningPacket, PlacesAreThoseOfTheField) {
     turns[i] = {(25 + 0.2 * t) * deg, 0, (40 - 0.3 * t) * deg};
     packet.command(i, m[i], turns[i]);
   }
-  packet.solve(m.size(), field.datum());
-  std::array<Turns, TurningPacket::kMost> stand;
+  packet.estimate(m.size(), field.datum());
+  std::array<Turns, TurningPacket::kMost> stand, wanted;
   for (std::size_t i = 0; i < m.size(); ++i) {
     field.set_stance({turns[i], turns[i], false});
     const auto alone = field.turns_at(m[i], turns[i], 5);
     stand[i] = turns[i];
-    for (const std::size_t k : {std::size_t{0}, std::size_t{2}}) {
+    for (std::size_t j = 0; j < 2; ++j) {
+      const std::size_t k = packet.rotary()[j];
       EXPECT_GT(std::abs(alone.turns[k] - turns[i][k]), 1e-7);
-      EXPECT_NEAR(packet.turn(i, k), alone.turns[k], packet.turn_doubt(i));
-      stand[i][k] = alone.turns[k] + 4e-7;
+      EXPECT_NEAR(packet.stand(i, j), alone.turns[k], 1e-7);
+      wanted[i][k] = alone.turns[k];
+      packet.stand(i, j) = stand[i][k] = alone.turns[k] + 4e-7;
     }
-    packet.stand(i, stand[i]);
   }
   packet.settle(m.size());
   for (std::size_t i = 0; i < m.size(); ++i) {
     EXPECT_TRUE(packet.ordinary(i));
+    for (std::size_t j = 0; j < 2; ++j)
+      EXPECT_NEAR(packet.turn(i, j), wanted[i][packet.rotary()[j]], packet.turn_doubt(i));
     field.set_stance({turns[i], stand[i], false});
     EXPECT_LE((packet.place(i) - field.at(m[i]).q).cwiseAbs().maxCoeff(), packet.place_doubt(i));
     EXPECT_LT(packet.place_doubt(i), 1e-6);

@@ -19,11 +19,27 @@ constexpr double kShareInside = 0.9;
 // What the tool axis may lean more inside a move than at its ends, rad.
 constexpr double kLean = 10 * urad;
 
-/// Is the number rounded to the same digits if it is off by `doubt`?
-bool rounds_surely(double number, int decimals, double doubt) {
-  const double scale = number_detail::kPower10[static_cast<std::size_t>(decimals)];
-  const double x = number * scale;
-  return std::abs(x - std::floor(x) - 0.5) > doubt * scale + 1e-6;
+// Numbers of more decimals go the general way.
+constexpr int kMostDecimals = 9;
+// Of a digit: a tie is not written again (Rewriter::half_digit), and arithmetic leaves this much.
+constexpr double kTie = 1e-6, kArithmetic = 2e-6;
+
+double units_per(int decimals) { return number_detail::kPower10[static_cast<std::size_t>(decimals)]; }
+
+/// A number to be written or left as it stands, in units of its last digit.
+struct Digits {
+  double n = 0;
+  bool stays = false;
+};
+/// `change` (of what stands) is so small that this stays, or `wanted` is rounded. Both in units of the last digit.
+Digits digits_for(double change, double wanted) {
+  return {nearest_integer(wanted), std::abs(change) <= 0.5 * (1 + kTie)};
+}
+/// The same decision would be made of numbers that are off by `doubt`.
+bool surely(const Digits& digits, double change, double wanted, double doubt) {
+  const double room = doubt + kArithmetic;
+  return digits.stays ? std::abs(change) + room < 0.5
+                      : std::abs(change) - room > 0.5 && std::abs(wanted - digits.n) + room < 0.5;
 }
 
 /// A plain line with a rotary word.
@@ -47,6 +63,18 @@ bool Rewriter::lane_is_open(std::uint64_t number, std::size_t rows) const {
   const bool traced = job_.trace_line >= number && job_.trace_line < number + rows;
   return packet_.usable() && !job_.one_by_one && !job_.reversal && !field_.depends_on_direction() &&
          simple_text && simple_modes && stands && in_program && !traced;
+}
+
+Rewriter::LaneDigits Rewriter::digits_of_lane() const {
+  LaneDigits digits;
+  digits.linear = decimals_of(-1);
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (axes_.rotary[k] < 0) continue;
+    const auto axis = static_cast<std::size_t>(axes_.rotary[k]);
+    digits.turn[k] = turn_decimals(static_cast<int>(k), -1);
+    digits.fixed[k] = axis < machine_.control.axes.size() && machine_.control.axes[axis].resolution;
+  }
+  return digits;
 }
 
 // Reads the lines that follow as long as they are plain and turn both axes. Returns how many.
@@ -79,35 +107,121 @@ std::size_t Rewriter::read_ahead(std::span<const std::string_view> texts) {
     }
     if (!turning) break;
     ahead.m = m;
-    ahead.turns = ahead.stand = turns;
+    ahead.turns = turns;
     packet_.command(count, m, turns);
   }
   return count;
 }
 
-// The words of the rotary axes, from where they belong. False: not beyond doubt.
-bool Rewriter::decide_turns(std::size_t i) {
+// Where the rotary axes will stand, as their words can say it, from where they nearly belong.
+void Rewriter::choose_turns(std::size_t i, const Turns& offsets) {
   Ahead& ahead = ahead_[i];
-  const Turns offsets = in_.frames.turn_offset();
-  const double doubt = packet_.turn_doubt(i);
-  bool sure = packet_.ordinary(i);
-  for (std::size_t k = 0; sure && k < 3; ++k) {
-    if (!ahead.line.has(3 + k)) continue;
+  ahead.stand = ahead.turns;
+  ahead.sure = true;
+  for (std::size_t j = 0; j < 2; ++j) {
+    const std::size_t k = packet_.rotary()[j];
     const PlainLine::Number& word = ahead.line.numbers[3 + k];
-    const int decimals = turn_decimals(static_cast<int>(k), word.decimals);
-    const double wanted = packet_.turn(i, k), change = wanted - ahead.turns[k];
-    const TurnWord found =
-        turn_word(Turning::linear, word.value, ahead.turns[k], ahead.turns[k], wanted, offsets[k], decimals);
-    // a change of half a digit decides whether the word stays
-    const double digits =
-        std::abs(change) / deg * number_detail::kPower10[static_cast<std::size_t>(decimals)];
-    const bool decided = rounds_surely(change / deg, decimals, doubt / deg) || digits > 1;
-    sure = !found.clamped && decided && rounds_surely(word.value + change / deg, decimals, doubt / deg);
-    ahead.stand[k] = found.position;
-    ahead.numbers[k] = found.number;
+    const int decimals = lane_digits_.of_turn(k, word.decimals);
+    ahead.sure = ahead.sure && decimals <= kMostDecimals;
+    if (!ahead.sure) return;
+    double& stand = packet_.stand(i, j);
+    const double units = units_per(decimals), change = (stand - ahead.turns[k]) / deg;
+    const Digits digits = digits_for(change * units, (word.value + change) * units);
+    FixedNumber& spelled = ahead.spelled[3 + k];
+    spelled = fixed_number(digits.n, decimals);
+    ahead.turn_stays[j] = digits.stays;
+    if (digits.stays) spelled.value = word.value;
+    stand = ahead.stand[k] = spelled.value * deg + offsets[k];
   }
-  if (sure) packet_.stand(i, ahead.stand);
-  return sure;
+}
+
+// Now it is known where they belong: are their words those that this asks for?
+bool Rewriter::turns_are_sure(std::size_t i) const {
+  const Ahead& ahead = ahead_[i];
+  if (!ahead.sure || !packet_.ordinary(i)) return false;
+  for (std::size_t j = 0; j < 2; ++j) {
+    const std::size_t k = packet_.rotary()[j];
+    const FixedNumber& spelled = ahead.spelled[3 + k];
+    const double units = units_per(spelled.decimals), change = (packet_.turn(i, j) - ahead.turns[k]) / deg;
+    const double n = spelled.negative ? -static_cast<double>(spelled.digits) : static_cast<double>(spelled.digits);
+    if (!surely({n, ahead.turn_stays[j]}, change * units, (ahead.line.numbers[3 + k].value + change) * units,
+                packet_.turn_doubt(i) / deg * units))
+      return false;
+  }
+  return true;
+}
+
+// The numbers of the linear axes, from where they belong. False: not beyond doubt.
+bool Rewriter::choose_places(std::size_t i, const Vec3& place, const Vec3& p_before) {
+  Ahead& ahead = ahead_[i];
+  const PlainLine& line = ahead.line;
+  const double unit = modal_.unit(), doubt = packet_.place_doubt(i) / unit;
+  const Vec3 want = out_.frames.to_program(place);
+  Vec3 p_out = p_before;
+  ahead.written = 0;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const bool named = line.has(k);
+    const PlainLine::Number& word = line.numbers[k];
+    const auto x = static_cast<Eigen::Index>(k);
+    const int decimals = std::max<int>(lane_digits_.linear, named ? word.decimals : 0);
+    if (decimals > kMostDecimals) return false;
+    const double units = units_per(decimals);
+    const double wanted = want[x] / unit, stands = named ? word.value : p_out[x] / unit;
+    const double change = (wanted - stands) * units;
+    const Digits digits = digits_for(change, wanted * units);
+    if (!surely(digits, change, wanted * units, doubt * units)) return false;
+    if (!digits.stays) {
+      ahead.spelled[k] = fixed_number(digits.n, decimals);
+      p_out[x] = ahead.spelled[k].value * unit;
+      ahead.written |= 1u << k;
+    } else if (named) {
+      p_out[x] = word.value * unit;
+    }
+  }
+  for (std::size_t j = 0; j < 2; ++j)
+    if (!ahead.turn_stays[j]) ahead.written |= 8u << packet_.rotary()[j];
+  ahead.p_out = p_out;
+  ahead.m_out = out_.frames.to_machine(p_out);
+  return true;
+}
+
+// Line i, which begins where `before` ends, is what it seems: numbers beyond doubt, no limit near, F goes on
+// meaning the same speed.
+bool Rewriter::choose_line(std::size_t i, const Reach& before) {
+  Ahead& ahead = ahead_[i];
+  if (!turns_are_sure(i)) return false;
+  const Vec3 place = packet_.place(i);
+  ahead.correction = place - ahead.m;
+  if (!(ahead.correction.squaredNorm() <= job_.max_correction * job_.max_correction)) return false;
+  const Vec3 meant = ahead.m - before.m_in, done = place - before.m_out;
+  ahead.way_square = meant.squaredNorm();
+  ahead.change_square = (done - meant).squaredNorm();
+  // | |done| - |meant| | <= |done - meant|
+  const bool same_speed = ahead.change_square <= kFeedChange * kFeedChange * ahead.way_square ||
+                          std::abs(done.norm() - meant.norm()) <= kFeedChange * meant.norm();
+  return ahead.way_square > kNoWay * kNoWay && same_speed && choose_places(i, place, before.p_out);
+}
+
+void Rewriter::enter(std::size_t at, const Vec3& meant, const Turns& meant_turns, const Vec3& done,
+                     const Turns& done_turns) {
+  for (std::size_t k = 0; k < 3; ++k) {
+    const auto i = static_cast<std::size_t>(axes_.linear[k]);
+    lane_run_.meant[i][at] = meant[static_cast<Eigen::Index>(k)];
+    lane_run_.done[i][at] = done[static_cast<Eigen::Index>(k)];
+    if (axes_.rotary[k] < 0) continue;
+    const auto r = static_cast<std::size_t>(axes_.rotary[k]);
+    lane_run_.meant[r][at] = meant_turns[k];
+    lane_run_.done[r][at] = done_turns[k];
+  }
+}
+
+bool Rewriter::run_is_straight(std::size_t first, std::size_t end) const {
+  const auto axes = static_cast<std::size_t>(machine_.axis_count());
+  return is_straight(bend_.bound(lane_run_.extent(first, end, axes)), rounded_away());
+}
+
+bool Rewriter::is_straight(const TurningBend::Bound& bound, double at_start) const {
+  return at_start + bound.position <= kShareInside * interpolation_ && bound.direction <= kLean;
 }
 
 bool Rewriter::surely_straight(const Move& move, const Vec3& from, const Turns& from_turns, const Vec3& to,
@@ -123,114 +237,92 @@ bool Rewriter::surely_straight(const Move& move, const Vec3& from, const Turns& 
     even.meant_from[r] = move.turns0[k], even.meant_to[r] = move.turns1[k];
     even.done_from[r] = from_turns[k], even.done_to[r] = to_turns[k];
   }
-  const TurningBend::Bound bound = bend_.bound(even);
-  return at_start + bound.position <= kShareInside * interpolation_ && bound.direction <= kLean;
+  return is_straight(bend_.bound(even), at_start);
 }
 
 double Rewriter::rounded_away() const {
   return std::sqrt(3.0) * half_digit(decimals_of(nullptr)) * modal_.unit();
 }
 
-// Is there nothing to say about the motion of line i but where it ends?
-bool Rewriter::is_ordinary(std::size_t i, const Vec3& place) const {
-  const Ahead& ahead = ahead_[i];
-  const Vec3 correction = place - ahead.m;
-  if (!(correction.squaredNorm() <= job_.max_correction * job_.max_correction)) return false;
-  // F goes on meaning the same speed.
-  const double meant = (ahead.m - in_.m).norm(), now = (place - out_.m).norm();
-  if (!(meant > kNoWay && std::abs(now - meant) <= kFeedChange * meant)) return false;
-  Move move;
-  move.m0 = in_.m, move.m1 = ahead.m;
-  move.turns0 = in_.turns, move.turns1 = ahead.turns;
-  return surely_straight(move, out_.m, out_.turns, place, ahead.stand, rounded_away());
-}
-
-// Finds the numbers of line i for the place where it ends. False: not beyond doubt.
-bool Rewriter::decide_places(std::size_t i, const Vec3& place) {
-  const Ahead& ahead = ahead_[i];
+// The line with its new numbers; words that it lacks stand behind the others. Returns the end of the text.
+char* Rewriter::write_plain(const Ahead& ahead, char* to) const {
   const PlainLine& line = ahead.line;
-  const double unit = modal_.unit(), doubt = packet_.place_doubt(i) / unit;
-  const Vec3 want = out_.frames.to_program(place);
-  Vec3 p_out = out_.p();
-  written_ = 0;
-  for (std::size_t k = 0; k < PlainLine::kFeed; ++k) {
-    const bool named = line.has(k);
-    const PlainLine::Number& word = line.numbers[k];
-    if (k < 3) {
-      const auto x = static_cast<Eigen::Index>(k);
-      const double wanted = want[x] / unit, stands = named ? word.value : p_out[x] / unit;
-      const int decimals = decimals_of(named ? word.decimals : -1);
-      const double change = std::abs(wanted - stands), half = half_digit(decimals);
-      if (!(std::abs(change - half) > doubt + 2e-6 * half)) return false;
-      double number = stands;
-      if (change > half) {
-        if (!rounds_surely(wanted, decimals, doubt) || !to_fixed(wanted, decimals, spelled_[k])) return false;
-        number = spelled_[k].value;
-        written_ |= 1u << k;
-      }
-      if (named || change > half) p_out[x] = number * unit;
-    } else if (named && ahead.numbers[k - 3] != word.value) {
-      const int decimals = turn_decimals(static_cast<int>(k - 3), word.decimals);
-      if (!to_fixed(ahead.numbers[k - 3], decimals, spelled_[k])) return false;
-      written_ |= 1u << k;
-    }
-  }
-  out_.m = out_.frames.to_machine(p_out);
-  return true;
-}
-
-// The line with its new numbers; words that it lacks stand behind the others.
-void Rewriter::write_plain(const PlainLine& line, std::string& out) const {
-  const std::size_t begin = out.size();
-  out.resize(begin + line.text.size() + (PlainLine::kFeed + 3) * (kFixedRoom + 2) + line.eol.size());
-  char* to = out.data() + begin;
+  const char* const text = line.text.data();
   std::size_t copied = 0;
   const auto copy = [&](std::size_t end) {
-    to = std::copy(line.text.data() + copied, line.text.data() + end, to);
+    for (; copied < end; ++copied) *to++ = text[copied];  // mostly a blank and a letter
   };
   for (std::size_t w = 0; w < line.count; ++w) {
     const std::size_t place = line.order[w];
-    if ((written_ >> place & 1) == 0) continue;
+    if ((ahead.written >> place & 1) == 0) continue;
     copy(line.numbers[place].begin);
-    to = write_fixed(to, spelled_[place]);
+    to = write_fixed(to, ahead.spelled[place]);
     copied = line.numbers[place].end;
   }
   copy(line.text.size());
   for (std::size_t k = 0; k < 3; ++k) {
-    if (line.has(k) || (written_ >> k & 1) == 0) continue;
+    if (line.has(k) || (ahead.written >> k & 1) == 0) continue;
     if (line.spaced) *to++ = ' ';
     *to++ = "XYZ"[k];
-    to = write_fixed(to, spelled_[k]);
+    to = write_fixed(to, ahead.spelled[k]);
   }
-  to = std::copy(line.eol.begin(), line.eol.end(), to);
-  out.resize(static_cast<std::size_t>(to - out.data()));
+  return std::copy(line.eol.begin(), line.eol.end(), to);
 }
 
-// One line of the packet, if nothing about it is in doubt.
-bool Rewriter::take_plain(std::size_t i, std::string& out) {
-  const Ahead& ahead = ahead_[i];
-  if (!ahead.sure || !packet_.ordinary(i)) return false;
-  const Vec3 place = packet_.place(i);
-  const Vec3 meant = ahead.m - in_.m, done = place - out_.m;
-  if (!is_ordinary(i, place) || !decide_places(i, place)) return false;
-  last_correction_.reset();
-  note_turning_gradient(meant, done);
-  note_correction(ahead.m, place - ahead.m);
-  write_plain(ahead.line, out);
-  ++report_.lines_out;
-  ++report_.blocks.motion;
-  ++report_.blocks.together;
-  if (written_ != 0) ++report_.blocks.rewritten;
+// A line that is decided: into the report.
+void Rewriter::count_line(const Ahead& ahead) {
+  if (ahead.change_square > report_.max_gradient * report_.max_gradient * ahead.way_square &&
+      ahead.way_square > kGradientBase * kGradientBase)
+    report_.max_gradient = std::sqrt(ahead.change_square / ahead.way_square);
+  const Vec3 size = ahead.correction.cwiseAbs();
+  if (size.x() > report_.max_correction[0] || size.y() > report_.max_correction[1] ||
+      size.z() > report_.max_correction[2])
+    note_correction(ahead.m, ahead.correction);
+  if (ahead.written != 0) ++report_.blocks.rewritten;
   if (ahead.line.has(PlainLine::kFeed)) {
     modal_.feed = ahead.line.numbers[PlainLine::kFeed].value;
     modal_.has_feed = true;
   }
-  in_.m = ahead.m;
-  in_.turns = ahead.turns;
-  out_.turns = ahead.stand;
-  for (unsigned k = 0; k < 3; ++k)
-    if (ahead.line.has(3 + k)) turned_ |= 1u << k;
-  return true;
+}
+
+// The lines from `first` on of which nothing is in doubt. Returns where they end.
+std::size_t Rewriter::take_run(std::size_t first, std::size_t count, std::uint64_t number, std::string& out) {
+  Reach before = {in_.m, out_.m, out_.p()};
+  enter(first, in_.m, in_.turns, out_.m, out_.turns);
+  std::size_t end = first, room = 0;
+  for (; end < count && choose_line(end, before); ++end) {
+    const Ahead& ahead = ahead_[end];
+    enter(end + 1, ahead.m, ahead.turns, ahead.m_out, ahead.stand);
+    before = {ahead.m, ahead.m_out, ahead.p_out};
+    room += ahead.line.text.size() + ahead.line.eol.size() + (PlainLine::kFeed + 3) * (kFixedRoom + 2);
+  }
+  if (end == first) return first;
+  if (!run_is_straight(first, end)) {
+    std::size_t straight = first;
+    while (straight < end && run_is_straight(straight, straight + 1)) ++straight;
+    end = straight;
+  }
+  if (lane_text_.size() < room) lane_text_.resize(room);
+  char* to = lane_text_.data();
+  last_correction_.reset();
+  for (std::size_t i = first; i < end; ++i) {
+    number_ = number + i;
+    count_line(ahead_[i]);
+    to = write_plain(ahead_[i], to);
+  }
+  if (end == first) return first;
+  out.append(lane_text_.data(), to);
+  const auto lines = static_cast<std::uint64_t>(end - first);
+  report_.lines_out += lines;
+  report_.blocks.motion += lines;
+  report_.blocks.together += lines;
+  const Ahead& last = ahead_[end - 1];
+  in_.m = last.m;
+  in_.turns = last.turns;
+  out_.m = last.m_out;
+  out_.turns = last.stand;
+  for (const std::size_t k : packet_.rotary()) turned_ |= 1u << k;
+  return end;
 }
 
 void Rewriter::one_line(std::string_view text, std::string& out) {
@@ -250,14 +342,18 @@ std::size_t Rewriter::lane(std::span<const std::string_view> texts, std::uint64_
     one_line(texts[0], out);
     return 1;
   }
-  packet_.solve(count, field_.datum());
-  for (std::size_t i = 0; i < count; ++i) ahead_[i].sure = decide_turns(i);
+  lane_digits_ = digits_of_lane();
+  packet_.estimate(count, field_.datum());
+  const Turns offsets = in_.frames.turn_offset();
+  for (std::size_t i = 0; i < count; ++i) choose_turns(i, offsets);
   packet_.settle(count);
-  std::size_t i = 0;
-  do {
+  std::size_t i = take_run(0, count, number, out);
+  while (i < count) {
     number_ = number + i;
-    if (!take_plain(i, out)) one_line(texts[i], out);
-  } while (++i < count && lane_is_open(number, count));
+    one_line(texts[i], out);
+    if (++i == count || !lane_is_open(number, count)) break;
+    i = take_run(i, count, number, out);
+  }
   stand(in_.turns, out_.turns);
   return i;
 }

@@ -9,18 +9,10 @@ namespace {
 
 // Nearer to the end of a travel a place is asked for alone, mm or rad.
 constexpr double kNearEnd = 1e-5;
-// A last step of solve up to this is known to have converged, mm.
-constexpr double kConverged = 1e-3;
-// A radian of it counts as much as this, mm (Kernel::correct_poses).
-constexpr double kRadian = 300;
-// What is left behind a Newton step, as a part of it: five times what was found on machines with errors of
-// 100 um and 100 urad. Besides, the field's own answers are left as far from the solution when they end.
-constexpr double kLeft = 1e-3, kFieldTurn = 2e-10, kFieldPlace = 2e-8;
-
-template <class Row>
-std::array<Row*, kernel::kMaxFlatAxes> rows_of(auto& rows) {
-  std::array<Row*, kernel::kMaxFlatAxes> to{};
-  for (std::size_t k = 0; k < to.size(); ++k) to[k] = rows[k].data();
+template <class Number>
+std::array<Number*, kernel::kMaxFlatAxes> pointers(auto& rows) {
+  std::array<Number*, kernel::kMaxFlatAxes> to{};
+  for (std::size_t k = 0; k < rows.size(); ++k) to[k] = rows[k].data();
   return to;
 }
 
@@ -33,7 +25,7 @@ std::array<Row*, kernel::kMaxFlatAxes> rows_of(auto& rows) {
 }  // namespace
 
 TurningPacket::TurningPacket(const Plan& plan, const AddressedAxes& axes)
-    : flat_(kernel::FlatPlan::make(plan)), kernel_(&kernel::best()), axes_(axes) {
+    : flat_(kernel::FlatPlan::make(plan)), kernel_(&kernel::best()) {
   const Machine& machine = plan.machine();
   constexpr double infinity = std::numeric_limits<double>::infinity();
   int rotary = 0, linear = 0;
@@ -53,6 +45,14 @@ TurningPacket::TurningPacket(const Plan& plan, const AddressedAxes& axes)
   }
   usable_ = flat_ != nullptr && linear == 3 && rotary == 2 && machine.axis_count() == 5 && correctable &&
             kernel::corrects(flat_->view(), setting_.free) && is_as_built(machine);
+  if (!usable_) return;
+  for (std::size_t k = 0, j = 0; k < 3; ++k) {
+    way_axis_[k] = static_cast<std::size_t>(axes.linear[k]);
+    if (axes.rotary[k] < 0) continue;
+    rotary_[j] = k;
+    turn_axis_[j++] = static_cast<std::size_t>(axes.rotary[k]);
+  }
+  slot_ = turn_axis_[0] < turn_axis_[1] ? std::array<std::size_t, 2>{0, 1} : std::array<std::size_t, 2>{1, 0};
 }
 
 void TurningPacket::set_tool(const Tool& tool) {
@@ -63,34 +63,33 @@ void TurningPacket::set_tool(const Tool& tool) {
 }
 
 void TurningPacket::command(std::size_t i, const Vec3& m, const Turns& turns) {
-  for (std::size_t k = 0; k < 3; ++k) {
-    commanded_[static_cast<std::size_t>(axes_.linear[k])][i] = m[static_cast<Eigen::Index>(k)];
-    if (axes_.rotary[k] >= 0) commanded_[static_cast<std::size_t>(axes_.rotary[k])][i] = turns[k];
-  }
+  for (std::size_t k = 0; k < 3; ++k) commanded_[way_axis_[k]][i] = m[static_cast<Eigen::Index>(k)];
+  for (std::size_t j = 0; j < 2; ++j) commanded_[turn_axis_[j]][i] = turns[rotary_[j]];
 }
 
-void TurningPacket::solve(std::size_t count, const Vec3& datum) {
+void TurningPacket::estimate(std::size_t count, const Vec3& datum) {
   for (int k = 0; k < 3; ++k) setting_.shift[k] = datum[k];
   lanes_.fill(kernel::Lane::ordinary);
-  const auto from = rows_of<const double>(commanded_);
-  const auto to = rows_of<double>(found_);
-  kernel_->correct_poses(flat_->view(), setting_, from.data(), count, to.data(), turn_steps_.data(),
-                         lanes_.data());
-}
-
-void TurningPacket::stand(std::size_t i, const Turns& turns) {
-  for (std::size_t k = 0; k < 3; ++k)
-    if (axes_.rotary[k] >= 0) found_[static_cast<std::size_t>(axes_.rotary[k])][i] = turns[k];
+  // The kernels know only full packets.
+  for (std::size_t k = 0; count < kMost && k < 5; ++k)
+    std::fill(commanded_[k].begin() + static_cast<std::ptrdiff_t>(count), commanded_[k].end(), commanded_[k][count - 1]);
+  const auto from = pointers<const double>(commanded_);
+  const auto to = pointers<double>(estimate_);
+  kernel_->estimate_poses(flat_->view(), setting_, from.data(), to.data(), work_, lanes_.data());
+  for (std::size_t j = 0; j < 2; ++j) stand_[slot_[j]] = estimate_[turn_axis_[j]];
 }
 
 void TurningPacket::settle(std::size_t count) {
-  const auto from = rows_of<const double>(commanded_), start = rows_of<const double>(found_);
-  const auto to = rows_of<double>(found_);
-  // The first step is as long as rounding turns the tip, and would leave doubt about some digits.
-  constexpr int kSteps = 2;
-  for (int i = 0; i < kSteps; ++i)
-    kernel_->settle_poses(flat_->view(), setting_, from.data(), start.data(), count, to.data(),
-                          place_steps_.data(), lanes_.data());
+  const auto near = pointers<const double>(estimate_), stand = pointers<const double>(stand_);
+  const auto to = pointers<double>(found_);
+  kernel_->refine_poses(flat_->view(), setting_, work_, near.data(), stand.data(), to.data(),
+                        turn_left_.data(), way_left_.data(), lanes_.data());
+  all_within_ = true;
+  for (std::size_t k = 0; k < 5; ++k)
+    for (const Row* row : {&commanded_[k], &found_[k]}) {
+      const Eigen::Map<const Eigen::ArrayXd> used(row->data(), static_cast<Eigen::Index>(count));
+      all_within_ = all_within_ && used.minCoeff() >= lo_[k] && used.maxCoeff() <= hi_[k];
+    }
 }
 
 bool TurningPacket::within_travels(std::size_t i) const {
@@ -99,20 +98,5 @@ bool TurningPacket::within_travels(std::size_t i) const {
       if (!(at >= lo_[k] && at <= hi_[k])) return false;
   return true;
 }
-
-bool TurningPacket::ordinary(std::size_t i) const {
-  return lanes_[i] == kernel::Lane::ordinary && turn_steps_[i] < kConverged && within_travels(i);
-}
-
-double TurningPacket::turn_doubt(std::size_t i) const {
-  return kLeft * turn_steps_[i] / kRadian + kFieldTurn;
-}
-
-Vec3 TurningPacket::place(std::size_t i) const {
-  const auto at = [&](std::size_t k) { return found_[static_cast<std::size_t>(axes_.linear[k])][i]; };
-  return {at(0), at(1), at(2)};
-}
-
-double TurningPacket::place_doubt(std::size_t i) const { return kLeft * place_steps_[i] + kFieldPlace; }
 
 }  // namespace abbe

@@ -51,6 +51,14 @@ inline constexpr std::size_t kFixedRoom = 25;
 [[nodiscard]] bool to_fixed(double value, int decimals, FixedNumber& number);
 [[nodiscard]] char* write_fixed(char* to, const FixedNumber& number);
 
+/// The integer nearest to x, ties to even; |x| < 2^51.
+[[nodiscard]] inline double nearest_integer(double x) {
+  constexpr double kNoFraction = 6755399441055744.0;  // 1.5 * 2^52
+  return (x + kNoFraction) - kNoFraction;
+}
+/// n units of the last of `decimals` digits (15 at most), n an integer below 2^52.
+[[nodiscard]] FixedNumber fixed_number(double n, int decimals);
+
 /// value rounded to `decimals` digits as append_fixed would write it.
 [[nodiscard]] double rounded(double value, int decimals);
 
@@ -105,6 +113,11 @@ inline constexpr std::array<double, kExactPowers + 1> kPower10 = {
 }
 
 }  // namespace number_detail
+
+inline FixedNumber fixed_number(double n, int decimals) {
+  const double value = n / number_detail::kPower10[static_cast<std::size_t>(decimals)];
+  return {static_cast<std::uint64_t>(static_cast<std::int64_t>(n < 0 ? -n : n)), decimals, n < 0, value};
+}
 
 /// The usual number of a program: [-]digits[.digits], 1 to 15 digits in all, at p in the text [begin, end).
 /// Returns its end, or null if it is anything else: then ask read_decimal, which reads the same value where

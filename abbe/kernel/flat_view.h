@@ -44,6 +44,14 @@ struct FlatTable {
   std::int8_t direction = 0, direction_axis = 0;
 };
 
+/// Where a walk found a table's window last time: the next packet is mostly there, too.
+struct Place {
+  const FlatTable* table = nullptr;
+  const float* window = nullptr;
+  double base = 0;  ///< position of its zero
+};
+inline constexpr unsigned kPlaces = 32;  ///< tables of a walk that are remembered
+
 struct FlatGroup {
   alignas(64) double constant[kRow] = {};
   double lever[3] = {0, 0, 0};

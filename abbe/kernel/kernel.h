@@ -25,6 +25,16 @@ enum Lane : unsigned char {
   unusual = 2,  ///< near a singularity, or not finite: ask abbe::correct
 };
 
+/// What the first half of a correction leaves for the second (Kernel::estimate_poses). Of one machine.
+struct PoseWork {
+  static constexpr std::size_t kMost = 16;
+  alignas(64) double nominal[6][kMost];    ///< tip and tool axis where they are meant to be
+  alignas(64) double turn_rows[6][kMost];  ///< of the inverse Jacobian, by components: two rotary axes
+  alignas(64) double move_rows[9][kMost];  ///< three linear axes
+  alignas(64) double follow[6][kMost];     ///< ways of the linear axes, tip at rest, by radian of a rotary one
+  Place places[kPlaces];
+};
+
 /// What one instruction set offers. Positions and results are arrays per axis or component (structure of
 /// arrays): q[axis][i], mm and rad. No call allocates, locks or throws.
 struct Kernel {
@@ -46,11 +56,16 @@ struct Kernel {
   /// itself and of the way by which its rotary part moves the tip; more of itself where large errors cancel.
   void (*correct_poses)(const FlatView&, const Setting&, const double* const* q, std::size_t count,
                         double* const* corrected, double* last, unsigned char* lanes) = nullptr;
-  /// One Newton step of the three linear axes that are free, from `start` (all axes; near the solution,
-  /// rotary axes where they will stand), towards the nominal tip of `commanded` + shift: settled[axis][i] of
-  /// these three axes alone. last[i]: length of the step, mm. Needs corrects(view, free).
-  void (*settle_poses)(const FlatView&, const Setting&, const double* const* commanded,
-                       const double* const* start, std::size_t count, double* const* settled, double* last,
+  /// The first half of a correction of PoseWork::kMost poses of which two rotary axes are free, a step of
+  /// first order: estimate[axis][i] of all axes. `work` is for the second half. lanes[i] |= flags.
+  void (*estimate_poses)(const FlatView&, const Setting&, const double* const* q, double* const* estimate,
+                         PoseWork& work, unsigned char* lanes) = nullptr;
+  /// The second half, a Newton step on the exact model: found[axis][i] are the rotary axes of the corrected
+  /// pose, and the linear axes that bring the tip there while the rotary ones (free, in the order of their
+  /// numbers) stand at stand[0..1][i], near their estimates. turn_left[i] (rad) and way_left[i] (mm): lengths
+  /// of the two parts of the step.
+  void (*refine_poses)(const FlatView&, const Setting&, const PoseWork& work, const double* const* estimate,
+                       const double* const* stand, double* const* found, double* turn_left, double* way_left,
                        unsigned char* lanes) = nullptr;
 };
 

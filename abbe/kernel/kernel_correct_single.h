@@ -47,6 +47,19 @@ inline Triple<Single> difference(const Poses& a, const Poses& b, int k, const do
   return {component(0), component(1), component(2)};
 }
 
+/// Loads kSingles poses; the lanes whose rotary commands are too far from zero.
+inline unsigned load_poses(const FlatView& plan, const double* const* q, std::size_t first,
+                           State<Single>& state, Commands* commands) {
+  unsigned refused = 0;
+  for (int i = 0; i < plan.axis_count; ++i) {
+    state.commands[i] = q[i] + first;
+    commands[i] = load_commands(state.commands[i]);
+    state.q[i] = rounded(commands[i]);
+    if ((plan.rotary >> i & 1) != 0) refused |= lanes_outside(state.q[i], -kMostCommand, kMostCommand);
+  }
+  return refused;
+}
+
 /// The corrections of kSingles poses from `first` on. False, and nothing is written, where single precision
 /// would show, and for every pose that is not ordinary. `walk`: walk_first_order, or what does the same.
 template <class Walk>
@@ -61,13 +74,7 @@ template <class Walk>
   state.places = places;
   Commands commands[kMaxFlatAxes];
   Single change[kMaxFlatAxes], turned[2] = {};
-  unsigned refused = 0;
-  for (int i = 0; i < plan.axis_count; ++i) {
-    state.commands[i] = q[i] + first;
-    commands[i] = load_commands(state.commands[i]);
-    state.q[i] = rounded(commands[i]);
-    if ((plan.rotary >> i & 1) != 0) refused |= lanes_outside(state.q[i], -kMostCommand, kMostCommand);
-  }
+  unsigned refused = load_poses(plan, q, first, state, commands);
   FirstOrder<Single> f;
   walk(plan, setting, state, f);
   const Solver<Single> solver(axes, f);

@@ -53,14 +53,6 @@ inline void add(Commands& q, const Single& dq) {
   q.second = q.second + __builtin_convertvector(b, Half);
 }
 
-/// Where a walk found a table's window last time: the next packet is mostly there, too.
-struct Place {
-  const FlatTable* table = nullptr;
-  const float* window = nullptr;
-  double base = 0;  ///< position of its zero
-};
-constexpr unsigned kPlaces = 32;
-
 /// As for other packets. Outside of what single precision is good for the packet is `refused`.
 template <>
 struct State<Single> {

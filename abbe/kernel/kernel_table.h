@@ -1,7 +1,7 @@
 // The last lines of every kernel_*.cpp: its table of functions. No #pragma once: one inclusion per file.
 
 #include "abbe/kernel/kernel_correct_single.h"
-#include "abbe/kernel/kernel_settle.h"
+#include "abbe/kernel/kernel_lines.h"
 
 namespace abbe::kernel {
 namespace {
@@ -56,14 +56,24 @@ void poses(const FlatView& plan, const Setting& setting, const double* const* q,
   find_poses<true>(plan, setting.tip, setting.axis, setting.approach, q, count, pose, lanes);
 }
 
-void settle_poses(const FlatView& plan, const Setting& setting, const double* const* commanded,
-                  const double* const* start, std::size_t count, double* const* settled, double* last,
-                  unsigned char* lanes) {
-  FreeAxes linear = free_axes_of(plan, setting);
-  linear.rotary_count = 0;
-  for (std::size_t i = 0; i < count; i += lanes_of<Packet>)
-    settle_packet<Packet>(plan, setting, linear, {commanded, i, count}, {start, i, count}, settled, last,
-                          lanes);
+void estimate_poses(const FlatView& plan, const Setting& setting, const double* const* q,
+                    double* const* estimate, PoseWork& work, unsigned char* lanes) {
+  const FreeAxes axes = free_axes_of(plan, setting);
+  std::size_t i = 0;
+#if defined(ABBE_KERNEL_HAS_SINGLES)
+  while (i < PoseWork::kMost && estimate_singles(plan, setting, axes, q, i, estimate, work, work.places))
+    i += kSingles;
+#endif
+  for (; i < PoseWork::kMost; i += lanes_of<Packet>)
+    estimate_packet<Packet>(plan, setting, axes, q, i, estimate, work, lanes);
+}
+
+void refine_poses(const FlatView& plan, const Setting& setting, const PoseWork& work,
+                  const double* const* estimate, const double* const* stand, double* const* found,
+                  double* turn_left, double* way_left, unsigned char* lanes) {
+  const FreeAxes axes = free_axes_of(plan, setting);
+  for (std::size_t i = 0; i < PoseWork::kMost; i += lanes_of<Packet>)
+    refine_packet<Packet>(plan, setting, axes, work, estimate, stand, i, found, turn_left, way_left, lanes);
 }
 
 void correct_poses(const FlatView& plan, const Setting& setting, const double* const* q, std::size_t count,
@@ -100,7 +110,7 @@ void correct_poses(const FlatView& plan, const Setting& setting, const double* c
 
 const Kernel& ABBE_KERNEL_FUNCTION() {
   static constexpr Kernel kernel = {ABBE_KERNEL_NAME, lanes_of<Packet>, one_tip, tips, poses,
-                                    correct_poses,    settle_poses};
+                                    correct_poses,    estimate_poses,   refine_poses};
   return kernel;
 }
 
