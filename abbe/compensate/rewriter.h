@@ -286,6 +286,7 @@ class Rewriter {
   [[nodiscard]] LaneDigits digits_of_lane() const;
   void choose_turns(std::size_t i, const Turns& offsets);
   [[nodiscard]] bool turns_are_sure(std::size_t i) const;
+  void choose_all_turns(std::size_t count);
   bool choose_places(std::size_t i, const Vec3& place, const Vec3& p_before);
   bool choose_line(std::size_t i, const Reach& before);
   void enter(std::size_t at, const Vec3& meant, const Turns& meant_turns, const Vec3& done,
@@ -559,6 +560,7 @@ class Rewriter {
   };
   std::array<Ahead, TurningPacket::kMost> ahead_;
   LaneDigits lane_digits_;
+  std::optional<LetterSet> line_words_;  ///< ModalState::motion_words of G1, once there was one
   MoveRun lane_run_;
   std::string lane_text_;
   TurningPacket packet_;

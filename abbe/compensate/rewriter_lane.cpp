@@ -53,7 +53,8 @@ bool turns_an_axis(const PlainLine& line, std::string_view bytes) {
 bool Rewriter::lane_is_open(std::uint64_t number, std::size_t rows) const {
   const bool simple_text = profile_.numbers.integer_words == Profile::IntegerWords::units &&
                            profile_.numbers.finer && !profile_.text.conversational && !profile_.text.names;
-  const bool simple_modes = modal_.motion == 10 && modal_.stated && !modal_.incremental &&
+  const bool lines = modal_.motion == 10 || (modal_.motion == 0 && line_words_);
+  const bool simple_modes = lines && modal_.stated && !modal_.incremental &&
                             modal_.feed_mode == 940 && !offset_doubtful_ && cycle_.code == -1 && !tcp_ &&
                             !cutter_.acts();
   const bool stands = known_ == needed_ && withheld_ == 0 && shifted_ == 0 && start_corrected_ &&
@@ -88,6 +89,9 @@ std::size_t Rewriter::read_ahead(std::span<const std::string_view> texts) {
     Ahead& ahead = ahead_[count];
     const PlainLine& line = ahead.line;
     if (!read_plain_line(texts[count], ahead.line)) break;
+    const bool feeds = line.has(PlainLine::kFeed) ? line.numbers[PlainLine::kFeed].value > 0
+                                                  : count > 0 || (modal_.has_feed && modal_.feed > 0);
+    if (!feeds || (count == 0 && modal_.motion != 10 && !line.says_line)) break;
     // Room for longer numbers, and for words that are added.
     constexpr std::size_t kRoom = 80;
     if (line.text.size() + kRoom > profile_.text.block_bytes) break;
@@ -138,7 +142,6 @@ void Rewriter::choose_turns(std::size_t i, const Turns& offsets) {
 // Now it is known where they belong: are their words those that this asks for?
 bool Rewriter::turns_are_sure(std::size_t i) const {
   const Ahead& ahead = ahead_[i];
-  if (!ahead.sure || !packet_.ordinary(i)) return false;
   for (std::size_t j = 0; j < 2; ++j) {
     const std::size_t k = packet_.rotary()[j];
     const FixedNumber& spelled = ahead.spelled[3 + k];
@@ -149,6 +152,33 @@ bool Rewriter::turns_are_sure(std::size_t i) const {
       return false;
   }
   return true;
+}
+
+// Rounding that is in doubt is decided from the places of the axes themselves, not from beside them.
+void Rewriter::choose_all_turns(std::size_t count) {
+  const Turns offsets = in_.frames.turn_offset();
+  unsigned doubtful = 0;
+  for (std::size_t i = 0; i < count; ++i) choose_turns(i, offsets);
+  packet_.settle(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    Ahead& ahead = ahead_[i];
+    if (!ahead.sure || !packet_.ordinary(i)) {
+      ahead.sure = false;
+    } else if (!turns_are_sure(i)) {
+      doubtful |= 1u << i;
+      for (std::size_t j = 0; j < 2; ++j) packet_.stand(i, j) = packet_.turn(i, j);
+    }
+  }
+  if (doubtful == 0) return;
+  packet_.settle(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    if ((doubtful >> i & 1) == 0) continue;
+    for (std::size_t j = 0; j < 2; ++j) packet_.stand(i, j) = packet_.turn(i, j);
+    choose_turns(i, offsets);
+    ahead_[i].sure = ahead_[i].sure && packet_.ordinary(i) && turns_are_sure(i);
+  }
+  packet_.settle(count);
+  for (std::size_t i = 0; i < count; ++i) ahead_[i].sure = ahead_[i].sure && packet_.ordinary(i);
 }
 
 // The numbers of the linear axes, from where they belong. False: not beyond doubt.
@@ -189,7 +219,7 @@ bool Rewriter::choose_places(std::size_t i, const Vec3& place, const Vec3& p_bef
 // meaning the same speed.
 bool Rewriter::choose_line(std::size_t i, const Reach& before) {
   Ahead& ahead = ahead_[i];
-  if (!turns_are_sure(i)) return false;
+  if (!ahead.sure) return false;
   const Vec3 place = packet_.place(i);
   ahead.correction = place - ahead.m;
   if (!(ahead.correction.squaredNorm() <= job_.max_correction * job_.max_correction)) return false;
@@ -316,6 +346,8 @@ std::size_t Rewriter::take_run(std::size_t first, std::size_t count, std::uint64
   report_.lines_out += lines;
   report_.blocks.motion += lines;
   report_.blocks.together += lines;
+  modal_.motion = 10;
+  modal_.motion_words = *line_words_;
   const Ahead& last = ahead_[end - 1];
   in_.m = last.m;
   in_.turns = last.turns;
@@ -333,6 +365,7 @@ void Rewriter::one_line(std::string_view text, std::string& out) {
 }
 
 std::size_t Rewriter::lane(std::span<const std::string_view> texts, std::uint64_t number, std::string& out) {
+  if (modal_.motion == 10) line_words_ = modal_.motion_words;
   if (!lane_is_open(number, texts.size())) return 0;
   const std::size_t count = read_ahead(texts);
   if (count == 0) {
@@ -344,9 +377,7 @@ std::size_t Rewriter::lane(std::span<const std::string_view> texts, std::uint64_
   }
   lane_digits_ = digits_of_lane();
   packet_.estimate(count, field_.datum());
-  const Turns offsets = in_.frames.turn_offset();
-  for (std::size_t i = 0; i < count; ++i) choose_turns(i, offsets);
-  packet_.settle(count);
+  choose_all_turns(count);
   std::size_t i = take_run(0, count, number, out);
   while (i < count) {
     number_ = number + i;

@@ -72,6 +72,13 @@ std::uint64_t digit_bytes(std::uint64_t n) {
   return tens | (twos - 10 * tens) << 8;
 }
 
+// Decimal digits of n < 10^8, at least 1. Of n alone: the place of the next number does not wait for the spelling.
+std::size_t count_of_digits(std::uint64_t n) {
+  constexpr std::array<std::uint64_t, 9> kPowers = {0, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000};
+  const auto about = static_cast<std::size_t>(std::bit_width(n | 1) * 1233 >> 12);  // log10 2
+  return about + static_cast<std::size_t>(n >= kPowers[about]);
+}
+
 // n with `decimals` <= 15 of its digits behind a point, n <= 2^52. Returns the count of bytes at `to` that
 // are the number, 17 at most; bytes behind them are written, too.
 std::size_t write_scaled(char* to, std::uint64_t n, int decimals) {
@@ -80,9 +87,8 @@ std::size_t write_scaled(char* to, std::uint64_t n, int decimals) {
   if (std::endian::native == std::endian::little && n < 100'000'000 && decimals < 8) {
     // The usual case stays in registers: leading zeros are shifted out, then the halves are stored.
     const std::uint64_t digits = digit_bytes(n);
-    const auto leading = static_cast<std::size_t>(digits == 0 ? 8 : std::countr_zero(digits) / 8);
-    const std::size_t skip = std::min(leading, 7 - behind);
-    const std::size_t whole = 8 - skip - behind;
+    const std::size_t shown = std::max(count_of_digits(n), behind + 1), whole = shown - behind;
+    const std::size_t skip = 8 - shown;
     const std::uint64_t text = (digits | kAscii) >> (8 * skip);
     const std::uint64_t tail = whole < 8 ? text >> (8 * whole) : 0;
     std::memcpy(to, &text, 8);
