@@ -74,28 +74,14 @@ std::uint64_t digit_bytes(std::uint64_t n) {
 
 // Decimal digits of n < 10^8, at least 1. Of n alone: the place of the next number does not wait for the spelling.
 std::size_t count_of_digits(std::uint64_t n) {
-  constexpr std::array<std::uint64_t, 9> kPowers = {0, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000};
+  static constexpr std::array<std::uint64_t, 9> kPowers = {0, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000};
   const auto about = static_cast<std::size_t>(std::bit_width(n | 1) * 1233 >> 12);  // log10 2
   return about + static_cast<std::size_t>(n >= kPowers[about]);
 }
 
-// n with `decimals` <= 15 of its digits behind a point, n <= 2^52. Returns the count of bytes at `to` that
-// are the number, 17 at most; bytes behind them are written, too.
-std::size_t write_scaled(char* to, std::uint64_t n, int decimals) {
-  constexpr std::uint64_t kAscii = 0x3030303030303030U;
-  const auto behind = static_cast<std::size_t>(decimals);
-  if (std::endian::native == std::endian::little && n < 100'000'000 && decimals < 8) {
-    // The usual case stays in registers: leading zeros are shifted out, then the halves are stored.
-    const std::uint64_t digits = digit_bytes(n);
-    const std::size_t shown = std::max(count_of_digits(n), behind + 1), whole = shown - behind;
-    const std::size_t skip = 8 - shown;
-    const std::uint64_t text = (digits | kAscii) >> (8 * skip);
-    const std::uint64_t tail = whole < 8 ? text >> (8 * whole) : 0;
-    std::memcpy(to, &text, 8);
-    to[whole] = '.';
-    std::memcpy(to + whole + 1, &tail, 8);
-    return whole + 1 + behind;
-  }
+// n with `decimals` <= 15 of its digits behind a point, n <= 2^52. Returns the end of the text, 17 bytes at most;
+// bytes behind it are written, too.
+[[gnu::noinline]] char* write_many(char* to, std::uint64_t n, std::size_t behind) {
   std::array<char, 16> digits;
   for (std::size_t i = digits.size(); i-- > 0; n /= 10) digits[i] = static_cast<char>('0' + n % 10);
   std::size_t skip = 0;
@@ -104,7 +90,21 @@ std::size_t write_scaled(char* to, std::uint64_t n, int decimals) {
   std::memcpy(to, digits.data() + skip, whole);
   to[whole] = '.';
   std::memcpy(to + whole + 1, digits.data() + skip + whole, behind);
-  return whole + 1 + behind;
+  return to + whole + 1 + behind;
+}
+inline char* write_scaled(char* to, std::uint64_t n, int decimals) {
+  constexpr std::uint64_t kAscii = 0x3030303030303030U;
+  const auto behind = static_cast<std::size_t>(decimals);
+  if (std::endian::native != std::endian::little || n >= 100'000'000 || behind - 1 >= 7)
+    return write_many(to, n, behind);
+  // The usual case stays in registers: leading zeros are shifted out, then the halves are stored.
+  const std::size_t shown = std::max(count_of_digits(n), behind + 1), whole = shown - behind;
+  const std::uint64_t text = (digit_bytes(n) | kAscii) >> (8 * (8 - shown));
+  const std::uint64_t tail = text >> (8 * whole);
+  std::memcpy(to, &text, 8);
+  to[whole] = '.';
+  std::memcpy(to + whole + 1, &tail, 8);
+  return to + shown + 1;
 }
 
 // Beyond 2^52 units of the last digit, or more than 15 of them: what the library writes.
@@ -194,7 +194,7 @@ bool to_fixed(double value, int decimals, FixedNumber& number) {
 char* write_fixed(char* to, const FixedNumber& number) {
   *to = '-';
   to += number.negative ? 1 : 0;
-  return to + write_scaled(to, number.digits, number.decimals);
+  return write_scaled(to, number.digits, number.decimals);
 }
 
 double append_fixed(std::string& out, double value, int decimals) {
