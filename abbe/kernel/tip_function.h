@@ -29,7 +29,7 @@ class TipFunction {
   [[nodiscard]] Vec3 operator()(const Query& query, bool* outside) const;
 
   /// Most poses of one call of neighbours().
-  static constexpr std::size_t kMost = 8;
+  static constexpr std::size_t kMost = 16;
   /// The tips where the three axes `axes` stand at at[i], mm, and all else is as in `query`; to 1e-11 mm what
   /// single calls give. False: not for this machine. cost    a third of single calls where the poses are near
   /// each other

@@ -93,7 +93,7 @@ Comparison::Comparison(const VerifyJob& job, TipModel& model, ProgramReader& ori
       half_digit_mm_(0.5 * std::pow(10.0, -output.profile().numbers.decimals_mm)),
       half_digit_inch_(0.5 * std::pow(10.0, -output.profile().numbers.decimals_inch) * abbe::inch),
       output_turns_(job.setup.start_turns),
-      lane_{model.turning_bend(), {}, {}, {}, {}, {}, 0, 0, false, {}},
+      lane_(model.turning_bend()),
       samples_(job.samples) {}
 
 void Comparison::run(const KeepGoing& keep_going) {

@@ -118,9 +118,11 @@ class Comparison {
   [[nodiscard]] bool lane_is_open() const;
   void find_poses();
   void find_start();
-  [[nodiscard]] PlainLane::End plain_end(std::size_t i, std::size_t j) const;
+  void enter_end(std::size_t at);
+  void plain_end(std::size_t i, std::size_t j, PlainLane::End& end) const;
   [[nodiscard]] bool commands_agree(const PlainLane::End& from, const PlainLane::End& to) const;
-  [[nodiscard]] bool stays_within(const PlainLane::End& from, const PlainLane::End& to) const;
+  [[nodiscard]] bool stays_within(std::size_t first, std::size_t last) const;
+  void count_run(std::size_t count);
   void count_plain(const PlainLane::End& from, const PlainLane::End& to, std::uint64_t line);
 
   /// Tip at the start of a motion: mostly where the last one ended, and then already known.

@@ -17,13 +17,9 @@ constexpr double kFeedChange = 0.1;     // of the way that F is of
 constexpr double kStill = 5e-3;         // mm: the tip does not tell where on the path it is
 constexpr double kDirectionTolerance = 30 * urad;
 
-/// Between unit vectors.
-double angle_between(const Vec3& a, const Vec3& b) {
-  const double sine = a.cross(b).norm();
-  // arcsin x = x + x^3 / 6 + ..
-  constexpr double kFew = 1e-3;
-  return sine < kFew && a.dot(b) > 0 ? sine * (1 + sine * sine / 6) : std::atan2(sine, a.dot(b));
-}
+/// Square of the sine between unit vectors; 1 if they point apart.
+double sine_square(const Vec3& a, const Vec3& b) { return a.dot(b) > 0 ? a.cross(b).squaredNorm() : 1; }
+double angle_of(double square) { return std::asin(std::sqrt(std::min(1.0, square))); }
 
 }  // namespace
 
@@ -45,81 +41,89 @@ void Comparison::find_poses() {
   }
 }
 
-/// Where both programs stand before the lane.
+/// Where both programs stand before the run.
 void Comparison::find_start() {
-  if (lane_.follows) return;
-  lane_.follows = true;
-  PlainLane::End& last = lane_.last;
-  last.original = original_.here();
-  last.output = output_.here();
-  TipModel::Poses poses;
-  model_.nominal_poses({&last.original, 1}, poses);
-  const TipAndAxis meant = poses.at(0);
-  model_.actual_poses({&last.output, 1}, poses);
-  last.meant = meant.position;
-  last.miss = poses.at(0).position - meant.position - datum_;
-  last.lean = angle_between(poses.at(0).tool_axis, meant.tool_axis);
+  PlainLane::End& start = lane_.ends[0];
+  if (!lane_.follows) {
+    lane_.follows = true;
+    lane_.last_original = original_.here();
+    lane_.last_output = output_.here();
+    TipModel::Poses poses;
+    model_.nominal_poses({&lane_.last_original, 1}, poses);
+    const TipAndAxis meant = poses.at(0);
+    model_.actual_poses({&lane_.last_output, 1}, poses);
+    start.meant = meant.position;
+    start.miss = poses.at(0).position - meant.position - datum_;
+    start.lean_square = sine_square(poses.at(0).tool_axis, meant.tool_axis);
+  }
+  start.original = &lane_.last_original;
+  start.output = &lane_.last_output;
+  enter_end(0);
 }
 
-PlainLane::End Comparison::plain_end(std::size_t i, std::size_t j) const {
-  PlainLane::End end;
-  end.original = lane_.original.motions[i];
-  end.output = lane_.output.motions[j];
+void Comparison::enter_end(std::size_t at) {
+  const PlainLane::End& end = lane_.ends[at];
+  model_.place(end.original->m, end.original->turns, lane_.run.meant, at);
+  model_.place(end.output->m, end.output->turns, lane_.run.done, at);
+}
+
+void Comparison::plain_end(std::size_t i, std::size_t j, PlainLane::End& end) const {
+  end.original = &lane_.original.motions[i];
+  end.output = &lane_.output.motions[j];
   const TipAndAxis meant = lane_.meant.at(i), before = lane_.uncorrected.at(i), after = lane_.done.at(j);
+  const Vec3 wanted = meant.position + datum_;
   end.meant = meant.position;
-  end.miss = after.position - meant.position - datum_;
-  end.before = before.position - meant.position - datum_;
-  end.lean = angle_between(after.tool_axis, meant.tool_axis);
-  end.lean_before = angle_between(before.tool_axis, meant.tool_axis);
-  return end;
+  end.miss = after.position - wanted;
+  end.before = before.position - wanted;
+  end.lean_square = sine_square(after.tool_axis, meant.tool_axis);
+  end.lean_before_square = sine_square(before.tool_axis, meant.tool_axis);
 }
 
 /// Both programs turn the same axes the same way, to within what a correction may be, and F means the same.
 bool Comparison::commands_agree(const PlainLane::End& from, const PlainLane::End& to) const {
+  const PlainMotion &wanted = *to.original, &found = *to.output;
   bool turns = false;
   for (std::size_t k = 0; k < 3; ++k) {
-    const double way = to.original.turns[k] - from.original.turns[k];
-    const double its_way = to.output.turns[k] - from.output.turns[k];
+    const double way = wanted.turns[k] - from.original->turns[k];
+    const double its_way = found.turns[k] - from.output->turns[k];
     if (std::abs(way) < kNoTurn && std::abs(its_way) > kNoTurn) return false;
-    if (!(std::abs(to.output.turns[k] - to.original.turns[k]) <= kMaxTurn)) return false;
+    if (!(std::abs(found.turns[k] - wanted.turns[k]) <= kMaxTurn)) return false;
     turns = turns || way != 0;
   }
-  const double way = (to.original.m - from.original.m).norm(), now = (to.output.m - from.output.m).norm();
-  const bool same_words =
-      to.original.states_feed == to.output.states_feed && to.original.feed == to.output.feed &&
-      to.original.states_number == to.output.states_number && to.original.number == to.output.number;
-  return turns && same_words && way > kNoWay && std::abs(now - way) <= kFeedChange * way &&
-         (to.output.m - to.original.m).norm() <= job_.max_correction + quantum() &&
-         !model_.beyond_travel(to.output);
+  const Vec3 way = wanted.m - from.original->m, now = found.m - from.output->m;
+  // | |now| - |way| | <= |now - way|
+  const double square = way.squaredNorm();
+  const bool same_speed = (now - way).squaredNorm() <= kFeedChange * kFeedChange * square ||
+                          std::abs(now.norm() - way.norm()) <= kFeedChange * way.norm();
+  const bool same_words = wanted.states_feed == found.states_feed && wanted.feed == found.feed &&
+                          wanted.states_number == found.states_number && wanted.number == found.number;
+  const double most = job_.max_correction + lane_.quantum;
+  return turns && same_words && square > kNoWay * kNoWay && same_speed &&
+         (found.m - wanted.m).squaredNorm() <= most * most && !model_.beyond_travel(found);
 }
 
-/// The tip stays within what is allowed from one end to the other, and so does the tool axis, without what
+/// The tip stays within what is allowed from end `first` to end `last`, and so does the tool axis, without what
 /// else cover_turning() grants.
-bool Comparison::stays_within(const PlainLane::End& from, const PlainLane::End& to) const {
-  const double allowed = job_.tolerance + quantum();
-  EvenMove move;
-  model_.place(from.original.m, from.original.turns, move.meant_from);
-  model_.place(to.original.m, to.original.turns, move.meant_to);
-  model_.place(from.output.m, from.output.turns, move.done_from);
-  model_.place(to.output.m, to.output.turns, move.done_to);
-  const TurningBend::Bound inside = lane_.bend.bound(move);
-  return std::sqrt(std::max(from.miss.squaredNorm(), to.miss.squaredNorm())) + inside.position <= allowed &&
-         std::max(from.lean, to.lean) + inside.direction <= kDirectionTolerance;
+bool Comparison::stays_within(std::size_t first, std::size_t last) const {
+  double miss = 0, lean = 0;
+  for (std::size_t i = first; i <= last; ++i) {
+    miss = std::max(miss, lane_.ends[i].miss.squaredNorm());
+    lean = std::max(lean, lane_.ends[i].lean_square);
+  }
+  const auto axes = static_cast<std::size_t>(model_.axis_count());
+  const TurningBend::Bound inside = lane_.bend.bound(lane_.run.extent(first, last, axes));
+  return std::sqrt(miss) + inside.position <= job_.tolerance + lane_.quantum &&
+         angle_of(lean) + inside.direction <= kDirectionTolerance;
 }
 
 /// Enters an accepted motion into the report.
 void Comparison::count_plain(const PlainLane::End& from, const PlainLane::End& to, std::uint64_t line) {
-  ++report_.feed_motions;
-  ++report_.together;
-  ++report_.points;
-  report_.events += (to.original.states_feed ? 1 : 0) + (to.original.states_number ? 1 : 0);
-  allowed_for(quantum());
-  report_.direction_before = std::max(report_.direction_before, to.lean_before);
-  report_.direction_after = std::max(report_.direction_after, to.lean);
+  report_.events += (to.original->states_feed ? 1 : 0) + (to.original->states_number ? 1 : 0);
   // what is left across the way: along it the tip is only earlier or later
   const Vec3 way = to.meant - from.meant;
-  const Vec3 across = to.miss - way * (way.dot(to.miss) / way.squaredNorm());
-  const double weight = std::max((to.original.m - from.original.m).norm(), way.norm());
+  const double square = way.squaredNorm();
+  const Vec3 across = to.miss - way * (way.dot(to.miss) / square);
+  const double weight = std::sqrt(std::max((to.original->m - from.original->m).squaredNorm(), square));
   travelled_ += weight;
   before_.add(to.before, weight, line);
   after_.add(across, weight, line);
@@ -129,6 +133,22 @@ void Comparison::count_plain(const PlainLane::End& from, const PlainLane::End& t
     samples_.skip();
 }
 
+/// The motions of the run that are accepted: of all whose ends are, those inside which nothing can be wrong.
+void Comparison::count_run(std::size_t count) {
+  double lean = 0, lean_before = 0;
+  for (std::size_t i = 1; i <= count; ++i) {
+    count_plain(lane_.ends[i - 1], lane_.ends[i], original_.line() + i);
+    lean = std::max(lean, lane_.ends[i].lean_square);
+    lean_before = std::max(lean_before, lane_.ends[i].lean_before_square);
+  }
+  report_.feed_motions += count;
+  report_.together += count;
+  report_.points += count;
+  allowed_for(lane_.quantum);
+  report_.direction_before = std::max(report_.direction_before, angle_of(lean_before));
+  report_.direction_after = std::max(report_.direction_after, angle_of(lean));
+}
+
 /// Judges the plain motions that come next in both programs, as far as nothing about them is unusual. False:
 /// there were none.
 bool Comparison::compare_plain() {
@@ -136,25 +156,32 @@ bool Comparison::compare_plain() {
   lane_.original = original_.plain();
   if (lane_.original.left() == 0) return false;
   lane_.output = output_.plain();
-  const std::size_t count = std::min(lane_.original.left(), lane_.output.left());
+  const std::size_t count = std::min({lane_.original.left(), lane_.output.left(), PlainLane::kMost});
   if (count == 0) return false;
   find_poses();
   find_start();
+  lane_.quantum = quantum();
   std::size_t done = 0;
   for (; done < count; ++done) {
     const std::size_t i = lane_.original.next + done, j = lane_.output.next + done;
-    const PlainLane::End end = plain_end(i, j);
+    PlainLane::End &from = lane_.ends[done], &end = lane_.ends[done + 1];
+    plain_end(i, j, end);
     const bool known = lane_.uncorrected.lanes[i] == 0 && lane_.done.lanes[j] == 0;
-    if (!known || !((end.meant - lane_.last.meant).norm() > kStill) || !commands_agree(lane_.last, end) ||
-        !stays_within(lane_.last, end))
-      break;
-    count_plain(lane_.last, end, original_.line() + 1 + done);
-    lane_.last = end;
+    if (!known || !((end.meant - from.meant).squaredNorm() > kStill * kStill) || !commands_agree(from, end)) break;
+    enter_end(done + 1);
   }
+  if (done > 0 && !stays_within(0, done)) {
+    const std::size_t most = done;
+    for (done = 0; done < most && stays_within(done, done + 1);) ++done;
+  }
+  if (done == 0) return false;
+  count_run(done);
+  lane_.last_original = *lane_.ends[done].original;
+  lane_.last_output = *lane_.ends[done].output;
+  lane_.ends[0] = lane_.ends[done];
   original_.take(done);
   output_.take(done);
-  if (done == 0) return false;
-  output_turns_ = lane_.last.output.turns;
+  output_turns_ = lane_.last_output.turns;
   reached_.valid = false;
   return true;
 }

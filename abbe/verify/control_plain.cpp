@@ -40,9 +40,9 @@ bool Control::leads_plainly(const Block& block, const PlainMotion& from, PlainMo
   for (int k = 0; k < 3; ++k) {
     const char letter = static_cast<char>('A' + k);
     if (!block.has(letter)) continue;
-    if (!rotary_->has(k) || rotary_->turning(k) != Turning::linear) return false;
+    if (!rotary_->goes_as_written(k)) return false;
     const auto i = static_cast<std::size_t>(k);
-    const double place = rotary_->target(k, block[letter], from.turns[i], frames_.system().turns[i]);
+    const double place = block[letter] * deg + frames_.system().turns[i];
     if (std::abs(place - from.turns[i]) > kSamePlace) to.turns[i] = place;
     to.named_turns |= 1u << k;
   }

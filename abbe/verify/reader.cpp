@@ -472,7 +472,7 @@ struct ProgramReader::State {
   Fault fault;
 
   // The lines read last, without their ends of line, and as blocks where that is what they are.
-  static constexpr std::size_t kRows = 8;
+  static constexpr std::size_t kRows = 16;
   std::array<std::string_view, kRows> texts;
   std::array<Block, kRows> blocks;
   std::array<bool, kRows> readable{};

@@ -17,7 +17,9 @@ class Rotary {
         axes_(addressed_axes(machine)),
         kinematics_(machine, axes_),
         direction_(machine, axes_, kinematics_),
-        any_(has(0) || has(1) || has(2)) {}
+        any_(has(0) || has(1) || has(2)) {
+    for (int k = 0; k < 3; ++k) as_written_ |= (has(k) && turning(k) == Turning::linear ? 1u : 0u) << k;
+  }
 
   [[nodiscard]] bool declared() const { return control_.declared; }
   [[nodiscard]] bool starts_with_tcp() const { return control_.tcp; }
@@ -30,6 +32,8 @@ class Rotary {
   [[nodiscard]] const ControlKinematics& kinematics() const { return kinematics_; }
   [[nodiscard]] const ToolDirection& direction() const { return direction_; }
   [[nodiscard]] Turning turning(int letter) const;
+  /// A rotary axis goes where its word says, whole turns and all.
+  [[nodiscard]] bool goes_as_written(int letter) const { return (as_written_ >> letter & 1) != 0; }
   /// Least increment of the control, rad; 0: not stated.
   [[nodiscard]] double resolution(int letter) const;
 
@@ -42,6 +46,7 @@ class Rotary {
   ControlKinematics kinematics_;
   ToolDirection direction_;
   bool any_;
+  unsigned as_written_ = 0;  ///< bits 0 1 2 = A B C
 };
 
 }  // namespace abbe::verifying

@@ -158,13 +158,10 @@ void TipModel::find(const kernel::FlatPlan& plan, std::span<const PlainMotion> m
     setting.tip[k] = query_.tool.tip[k];
     setting.axis[k] = query_.tool.axis[k];
   }
-  std::array<std::array<double, Poses::kMost>, kernel::kMaxFlatAxes> rows{};
-  std::array<double, kMaxAxes> axes{};
+  std::array<std::array<double, Poses::kMost>, kernel::kMaxFlatAxes> rows;  // only what is read is set
   const auto axis_count = static_cast<std::size_t>(plan.view().axis_count);
-  for (std::size_t i = 0; i < motions.size(); ++i) {
-    place(motions[i].m, motions[i].turns, axes);
-    for (std::size_t k = 0; k < axis_count; ++k) rows[k][i] = axes[k];
-  }
+  for (std::size_t k = 0; k < axis_count; ++k) rows[k].fill(0);
+  for (std::size_t i = 0; i < motions.size(); ++i) place(motions[i].m, motions[i].turns, rows, i);
   std::array<const double*, kernel::kMaxFlatAxes> q{};
   for (std::size_t k = 0; k < axis_count; ++k) q[k] = rows[k].data();
   std::array<double*, 6> to{};
@@ -179,13 +176,6 @@ void TipModel::nominal_poses(std::span<const PlainMotion> motions, Poses& poses)
 
 void TipModel::actual_poses(std::span<const PlainMotion> motions, Poses& poses) const {
   find(*flat_, motions, poses);
-}
-
-void TipModel::place(const Vec3& m, const Turns& turns, std::array<double, kMaxAxes>& axes) const {
-  for (std::size_t k = 0; k < 3; ++k) {
-    axes[axes_[k]] = m[static_cast<Eigen::Index>(k)];
-    if (rotary_.has(static_cast<int>(k))) axes[static_cast<std::size_t>(rotary_.axes().rotary[k])] = turns[k];
-  }
 }
 
 bool TipModel::beyond_travel(const PlainMotion& motion) const {

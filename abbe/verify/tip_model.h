@@ -58,7 +58,7 @@ class TipModel {
 
   /// Tips and tool axes of many plain motions' ends, side by side.
   struct Poses {
-    static constexpr std::size_t kMost = 8;
+    static constexpr std::size_t kMost = 16;
     std::array<std::array<double, kMost>, 6> number{};
     std::array<unsigned char, kMost> lanes{};  ///< not 0: an error is held beyond its ends
     [[nodiscard]] TipAndAxis at(std::size_t i) const {
@@ -71,8 +71,16 @@ class TipModel {
   void nominal_poses(std::span<const PlainMotion> motions, Poses& poses) const;
   void actual_poses(std::span<const PlainMotion> motions, Poses& poses) const;
   [[nodiscard]] bool no_poses() const { return flat_ == nullptr || believed_ == nullptr || directional_; }
-  /// Positions of all moving axes.
-  void place(const Vec3& m, const Turns& turns, std::array<double, kMaxAxes>& axes) const;
+  /// Positions of the axes that move, rows[axis][at].
+  template <class Rows>
+  void place(const Vec3& m, const Turns& turns, Rows& rows, std::size_t at) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+      rows[axes_[k]][at] = m[static_cast<Eigen::Index>(k)];
+      if (rotary_.has(static_cast<int>(k)))
+        rows[static_cast<std::size_t>(rotary_.axes().rotary[k])][at] = turns[k];
+    }
+  }
+  [[nodiscard]] int axis_count() const { return plan_.machine().axis_count(); }
   /// See TurningBend; with the tool in the spindle.
   [[nodiscard]] TurningBend turning_bend() const { return {plan_, query_.tool}; }
   /// An axis is outside its travel there.
