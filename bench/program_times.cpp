@@ -88,9 +88,12 @@ int main(int count, char** arguments) {
   }
   for (const Diagnostic& d : report.diagnostics)
     if (d.severity == Severity::error) std::fprintf(stderr, "%s\n", to_text(d).c_str());
-  std::printf("%zu lines, %.1f -> %.1f MB: %.3f s, %.0f ns per line, %.2f million lines/s, %.2f %% of motions in runs\n", lines.size(),
-              static_cast<double>(text.size()) / 1e6, static_cast<double>(bytes) / 1e6, best,
-              1e9 * best / static_cast<double>(lines.size()), static_cast<double>(lines.size()) / best / 1e6,
-              100.0 * static_cast<double>(report.blocks.together) / static_cast<double>(std::max<std::uint64_t>(1, report.blocks.motion)));
+  std::printf(
+      "%zu lines, %.1f -> %.1f MB: %.3f s, %.0f ns per line, %.2f million lines/s, %.2f %% of motions in "
+      "runs\n",
+      lines.size(), static_cast<double>(text.size()) / 1e6, static_cast<double>(bytes) / 1e6, best,
+      1e9 * best / static_cast<double>(lines.size()), static_cast<double>(lines.size()) / best / 1e6,
+      100.0 * static_cast<double>(report.blocks.together) /
+          static_cast<double>(std::max<std::uint64_t>(1, report.blocks.motion)));
   return 0;
 }

@@ -106,17 +106,32 @@ MoveExtent extent_of(const EvenMove& move) {
   return extent;
 }
 
+namespace {
+
+/// Of one axis, whose positions these are; kPlaces: as many as there are, or Eigen::Dynamic.
+template <int kPlaces>
+MoveExtent::Axis extent_of_row(const double* done, const double* meant, Eigen::Index places) {
+  using Row = Eigen::Array<double, kPlaces, 1, 0, MoveRun::kMost + 1, 1>;  // not from the heap
+  constexpr int kMoves = kPlaces == Eigen::Dynamic ? Eigen::Dynamic : kPlaces - 1;
+  using Moves = Eigen::Map<const Eigen::Array<double, kMoves, 1>>;
+  const Eigen::Map<const Row> is(done, places), wanted(meant, places);
+  const Row off = is - wanted;
+  const auto farthest = [&](const auto& row) {
+    return (Moves(row.data() + 1, places - 1) - Moves(row.data(), places - 1)).abs().maxCoeff();
+  };
+  return {is.minCoeff(), is.maxCoeff(), farthest(is), farthest(off), off.abs().maxCoeff()};
+}
+
+}  // namespace
+
 MoveExtent MoveRun::extent(std::size_t first, std::size_t end, std::size_t axis_count) const {
+  constexpr int kFull = static_cast<int>(kMost) + 1;
   MoveExtent extent;
   const auto places = static_cast<Eigen::Index>(end - first + 1);
-  const auto farthest = [&](const auto& row) {
-    return (row.tail(places - 1) - row.head(places - 1)).abs().maxCoeff();
-  };
   for (std::size_t k = 0; k < axis_count; ++k) {
-    const Eigen::Map<const Eigen::ArrayXd> is(done[k].data() + first, places),
-        wanted(meant[k].data() + first, places);
-    const Eigen::Array<double, Eigen::Dynamic, 1, 0, kMost + 1, 1> off = is - wanted;  // not from the heap
-    extent.axes[k] = {is.minCoeff(), is.maxCoeff(), farthest(is), farthest(off), off.abs().maxCoeff()};
+    const double *is = done[k].data() + first, *wanted = meant[k].data() + first;
+    extent.axes[k] = places == kFull ? extent_of_row<kFull>(is, wanted, places)
+                                     : extent_of_row<Eigen::Dynamic>(is, wanted, places);
   }
   return extent;
 }

@@ -110,7 +110,7 @@ TEST(TurningPacket, PlacesAreThoseOfTheField) {
       packet.stand(i, j) = stand[i][k] = alone.turns[k] + 4e-7;
     }
   }
-  packet.settle(m.size());
+  packet.settle();
   for (std::size_t i = 0; i < m.size(); ++i) {
     EXPECT_TRUE(packet.ordinary(i));
     for (std::size_t j = 0; j < 2; ++j)

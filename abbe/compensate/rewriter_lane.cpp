@@ -2,6 +2,7 @@
 // whose digits, path or feed are not beyond doubt, goes the general way: what is written is the same.
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "abbe/compensate/rewriter.h"
 #include "abbe/core/number.h"
@@ -19,6 +20,7 @@ constexpr double kShareInside = 0.9;
 // What the tool axis may lean more inside a move than at its ends, rad.
 constexpr double kLean = 10 * urad;
 
+constexpr double kDegrees = 1 / deg;
 // Numbers of more decimals go the general way.
 constexpr int kMostDecimals = 9;
 // Of a digit: a tie is not written again (Rewriter::half_digit), and arithmetic leaves this much.
@@ -31,7 +33,8 @@ struct Digits {
   double n = 0;
   bool stays = false;
 };
-/// `change` (of what stands) is so small that this stays, or `wanted` is rounded. Both in units of the last digit.
+/// `change` (of what stands) is so small that this stays, or `wanted` is rounded. Both in units of the last
+/// digit.
 Digits digits_for(double change, double wanted) {
   return {nearest_integer(wanted), std::abs(change) <= 0.5 * (1 + kTie)};
 }
@@ -54,9 +57,8 @@ bool Rewriter::lane_is_open(std::uint64_t number, std::size_t rows) const {
   const bool simple_text = profile_.numbers.integer_words == Profile::IntegerWords::units &&
                            profile_.numbers.finer && !profile_.text.conversational && !profile_.text.names;
   const bool lines = modal_.motion == 10 || (modal_.motion == 0 && line_words_);
-  const bool simple_modes = lines && modal_.stated && !modal_.incremental &&
-                            modal_.feed_mode == 940 && !offset_doubtful_ && cycle_.code == -1 && !tcp_ &&
-                            !cutter_.acts();
+  const bool simple_modes = lines && modal_.stated && !modal_.incremental && modal_.feed_mode == 940 &&
+                            !offset_doubtful_ && cycle_.code == -1 && !tcp_ && !cutter_.acts();
   const bool stands = known_ == needed_ && withheld_ == 0 && shifted_ == 0 && start_corrected_ &&
                       !datum_dirty_ && in_.frames.known() && !in_.frames.rotated() && !in_.frames.placed();
   const bool in_program = any_block_ && header_written_ && !ended_ && depth_ == 0 && !held_pole_ &&
@@ -82,6 +84,7 @@ Rewriter::LaneDigits Rewriter::digits_of_lane() const {
 std::size_t Rewriter::read_ahead(std::span<const std::string_view> texts) {
   const std::size_t most = std::min(texts.size(), TurningPacket::kMost);
   const Turns offsets = in_.frames.turn_offset();
+  const double unit = modal_.unit();
   Vec3 m = in_.m;
   Turns turns = in_.turns;
   std::size_t count = 0;
@@ -95,10 +98,12 @@ std::size_t Rewriter::read_ahead(std::span<const std::string_view> texts) {
     // Room for longer numbers, and for words that are added.
     constexpr std::size_t kRoom = 80;
     if (line.text.size() + kRoom > profile_.text.block_bytes) break;
-    Vec3 p = in_.frames.to_program(m);
-    for (int k = 0; k < 3; ++k)
+    const bool names_all = (line.named & 7u) == 7u;
+    Vec3 p = names_all ? Vec3(line.numbers[0].value, line.numbers[1].value, line.numbers[2].value) * unit
+                       : in_.frames.to_program(m);
+    for (int k = 0; !names_all && k < 3; ++k)
       if (line.has(static_cast<std::size_t>(k)))
-        p[k] = line.numbers[static_cast<std::size_t>(k)].value * modal_.unit();
+        p[k] = line.numbers[static_cast<std::size_t>(k)].value * unit;
     const Vec3 there = in_.frames.to_machine(p);
     bool turning = true;
     for (std::size_t k = 0; k < 3; ++k) {
@@ -106,7 +111,7 @@ std::size_t Rewriter::read_ahead(std::span<const std::string_view> texts) {
       if (line.has(3 + k) != (axes_.rotary[k] >= 0)) turning = false;
       if (!line.has(3 + k) || !turning) continue;
       const double to = line.numbers[3 + k].value * deg + offsets[k];
-      turning = turning_of(static_cast<int>(k)) == Turning::linear && std::abs(to - turns[k]) > kNoTurn;
+      turning = packet_.goes_as_written(k) && std::abs(to - turns[k]) > kNoTurn;
       turns[k] = to;
     }
     if (!turning) break;
@@ -129,7 +134,7 @@ void Rewriter::choose_turns(std::size_t i, const Turns& offsets) {
     ahead.sure = ahead.sure && decimals <= kMostDecimals;
     if (!ahead.sure) return;
     double& stand = packet_.stand(i, j);
-    const double units = units_per(decimals), change = (stand - ahead.turns[k]) / deg;
+    const double units = units_per(decimals), change = (stand - ahead.turns[k]) * kDegrees;
     const Digits digits = digits_for(change * units, (word.value + change) * units);
     FixedNumber& spelled = ahead.spelled[3 + k];
     spelled = fixed_number(digits.n, decimals);
@@ -145,10 +150,12 @@ bool Rewriter::turns_are_sure(std::size_t i) const {
   for (std::size_t j = 0; j < 2; ++j) {
     const std::size_t k = packet_.rotary()[j];
     const FixedNumber& spelled = ahead.spelled[3 + k];
-    const double units = units_per(spelled.decimals), change = (packet_.turn(i, j) - ahead.turns[k]) / deg;
-    const double n = spelled.negative ? -static_cast<double>(spelled.digits) : static_cast<double>(spelled.digits);
+    const double units = units_per(spelled.decimals),
+                 change = (packet_.turn(i, j) - ahead.turns[k]) * kDegrees;
+    const double n =
+        spelled.negative ? -static_cast<double>(spelled.digits) : static_cast<double>(spelled.digits);
     if (!surely({n, ahead.turn_stays[j]}, change * units, (ahead.line.numbers[3 + k].value + change) * units,
-                packet_.turn_doubt(i) / deg * units))
+                packet_.turn_doubt(i) * kDegrees * units))
       return false;
   }
   return true;
@@ -159,7 +166,7 @@ void Rewriter::choose_all_turns(std::size_t count) {
   const Turns offsets = in_.frames.turn_offset();
   unsigned doubtful = 0;
   for (std::size_t i = 0; i < count; ++i) choose_turns(i, offsets);
-  packet_.settle(count);
+  packet_.settle();
   for (std::size_t i = 0; i < count; ++i) {
     Ahead& ahead = ahead_[i];
     if (!ahead.sure || !packet_.ordinary(i)) {
@@ -170,14 +177,14 @@ void Rewriter::choose_all_turns(std::size_t count) {
     }
   }
   if (doubtful == 0) return;
-  packet_.settle(count);
+  packet_.settle();
   for (std::size_t i = 0; i < count; ++i) {
     if ((doubtful >> i & 1) == 0) continue;
     for (std::size_t j = 0; j < 2; ++j) packet_.stand(i, j) = packet_.turn(i, j);
     choose_turns(i, offsets);
     ahead_[i].sure = ahead_[i].sure && packet_.ordinary(i) && turns_are_sure(i);
   }
-  packet_.settle(count);
+  packet_.settle();
   for (std::size_t i = 0; i < count; ++i) ahead_[i].sure = ahead_[i].sure && packet_.ordinary(i);
 }
 
@@ -185,7 +192,8 @@ void Rewriter::choose_all_turns(std::size_t count) {
 bool Rewriter::choose_places(std::size_t i, const Vec3& place, const Vec3& p_before) {
   Ahead& ahead = ahead_[i];
   const PlainLine& line = ahead.line;
-  const double unit = modal_.unit(), doubt = packet_.place_doubt(i) / unit;
+  const double unit = modal_.unit(), per_unit = modal_.inch ? 1 / unit : 1.0;
+  const double doubt = packet_.place_doubt(i) * per_unit;
   const Vec3 want = out_.frames.to_program(place);
   Vec3 p_out = p_before;
   ahead.written = 0;
@@ -196,7 +204,7 @@ bool Rewriter::choose_places(std::size_t i, const Vec3& place, const Vec3& p_bef
     const int decimals = std::max<int>(lane_digits_.linear, named ? word.decimals : 0);
     if (decimals > kMostDecimals) return false;
     const double units = units_per(decimals);
-    const double wanted = want[x] / unit, stands = named ? word.value : p_out[x] / unit;
+    const double wanted = want[x] * per_unit, stands = named ? word.value : p_out[x] * per_unit;
     const double change = (wanted - stands) * units;
     const Digits digits = digits_for(change, wanted * units);
     if (!surely(digits, change, wanted * units, doubt * units)) return false;
@@ -280,7 +288,14 @@ char* Rewriter::write_plain(const Ahead& ahead, char* to) const {
   const char* const text = line.text.data();
   std::size_t copied = 0;
   const auto copy = [&](std::size_t end) {
-    for (; copied < end; ++copied) *to++ = text[copied];  // mostly a blank and a letter
+    constexpr std::size_t kAtOnce = 8;  // mostly it is a blank and a letter, and there is room for more
+    if (end - copied > kAtOnce || copied + kAtOnce > line.text.size()) {
+      to = std::copy(text + copied, text + end, to);
+    } else {
+      std::memcpy(to, text + copied, kAtOnce);
+      to += end - copied;
+    }
+    copied = end;
   };
   for (std::size_t w = 0; w < line.count; ++w) {
     const std::size_t place = line.order[w];

@@ -49,6 +49,9 @@ TurningPacket::TurningPacket(const Plan& plan, const AddressedAxes& axes)
   for (std::size_t k = 0, j = 0; k < 3; ++k) {
     way_axis_[k] = static_cast<std::size_t>(axes.linear[k]);
     if (axes.rotary[k] < 0) continue;
+    const auto& controls = machine.control.axes;
+    const auto axis = static_cast<std::size_t>(axes.rotary[k]);
+    as_written_[k] = axis >= controls.size() || controls[axis].turning == Turning::linear;
     rotary_[j] = k;
     turn_axis_[j++] = static_cast<std::size_t>(axes.rotary[k]);
   }
@@ -72,14 +75,15 @@ void TurningPacket::estimate(std::size_t count, const Vec3& datum) {
   lanes_.fill(kernel::Lane::ordinary);
   // The kernels know only full packets.
   for (std::size_t k = 0; count < kMost && k < 5; ++k)
-    std::fill(commanded_[k].begin() + static_cast<std::ptrdiff_t>(count), commanded_[k].end(), commanded_[k][count - 1]);
+    std::fill(commanded_[k].begin() + static_cast<std::ptrdiff_t>(count), commanded_[k].end(),
+              commanded_[k][count - 1]);
   const auto from = pointers<const double>(commanded_);
   const auto to = pointers<double>(estimate_);
   kernel_->estimate_poses(flat_->view(), setting_, from.data(), to.data(), work_, lanes_.data());
   for (std::size_t j = 0; j < 2; ++j) stand_[slot_[j]] = estimate_[turn_axis_[j]];
 }
 
-void TurningPacket::settle(std::size_t count) {
+void TurningPacket::settle() {
   const auto near = pointers<const double>(estimate_), stand = pointers<const double>(stand_);
   const auto to = pointers<double>(found_);
   kernel_->refine_poses(flat_->view(), setting_, work_, near.data(), stand.data(), to.data(),
@@ -87,8 +91,8 @@ void TurningPacket::settle(std::size_t count) {
   all_within_ = true;
   for (std::size_t k = 0; k < 5; ++k)
     for (const Row* row : {&commanded_[k], &found_[k]}) {
-      const Eigen::Map<const Eigen::ArrayXd> used(row->data(), static_cast<Eigen::Index>(count));
-      all_within_ = all_within_ && used.minCoeff() >= lo_[k] && used.maxCoeff() <= hi_[k];
+      const Eigen::Map<const Eigen::Array<double, kMost, 1>> all(row->data());
+      all_within_ = all_within_ && all.minCoeff() >= lo_[k] && all.maxCoeff() <= hi_[k];
     }
 }
 

@@ -37,9 +37,11 @@ class TurningPacket {
   void estimate(std::size_t count, const Vec3& datum);
   /// A C of A B C and so on: the rotary axes that there are.
   [[nodiscard]] const std::array<std::size_t, 2>& rotary() const { return rotary_; }
+  /// Axis k of A B C goes where its word says, whole turns and all.
+  [[nodiscard]] bool goes_as_written(std::size_t k) const { return as_written_[k]; }
   /// Where rotary axis j (0 1, of rotary()) nearly belongs; what is set will be its stand.
   [[nodiscard]] double& stand(std::size_t i, std::size_t j) { return stand_[slot_[j]][i]; }
-  void settle(std::size_t count);
+  void settle();
 
   /// Of place i, after settle. False: outside the volume or a travel (or near their ends), near a singularity
   /// or not converged: it must be asked for alone.
@@ -80,6 +82,7 @@ class TurningPacket {
   std::array<Row, 2> stand_{};  ///< in the order of the machine's axes
   Row turn_left_{}, way_left_{};
   std::array<unsigned char, kMost> lanes_{};
+  std::array<bool, 3> as_written_{};
   bool usable_ = false, all_within_ = false;
 };
 

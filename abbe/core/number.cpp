@@ -72,15 +72,17 @@ std::uint64_t digit_bytes(std::uint64_t n) {
   return tens | (twos - 10 * tens) << 8;
 }
 
-// Decimal digits of n < 10^8, at least 1. Of n alone: the place of the next number does not wait for the spelling.
+// Decimal digits of n < 10^8, at least 1. Of n alone: the place of the next number does not wait for the
+// spelling.
 std::size_t count_of_digits(std::uint64_t n) {
-  static constexpr std::array<std::uint64_t, 9> kPowers = {0, 10, 100, 1000, 10000, 100000, 1000000, 10000000, 100000000};
+  static constexpr std::array<std::uint64_t, 9> kPowers = {0,      10,      100,      1000,     10000,
+                                                           100000, 1000000, 10000000, 100000000};
   const auto about = static_cast<std::size_t>(std::bit_width(n | 1) * 1233 >> 12);  // log10 2
   return about + static_cast<std::size_t>(n >= kPowers[about]);
 }
 
-// n with `decimals` <= 15 of its digits behind a point, n <= 2^52. Returns the end of the text, 17 bytes at most;
-// bytes behind it are written, too.
+// n with `decimals` <= 15 of its digits behind a point, n <= 2^52. Returns the end of the text, 17 bytes at
+// most; bytes behind it are written, too.
 [[gnu::noinline]] char* write_many(char* to, std::uint64_t n, std::size_t behind) {
   std::array<char, 16> digits;
   for (std::size_t i = digits.size(); i-- > 0; n /= 10) digits[i] = static_cast<char>('0' + n % 10);

@@ -31,7 +31,7 @@ struct PoseWork {
   alignas(64) double nominal[6][kMost];    ///< tip and tool axis where they are meant to be
   alignas(64) double turn_rows[6][kMost];  ///< of the inverse Jacobian, by components: two rotary axes
   alignas(64) double move_rows[9][kMost];  ///< three linear axes
-  alignas(64) double follow[6][kMost];     ///< ways of the linear axes, tip at rest, by radian of a rotary one
+  alignas(64) double follow[6][kMost];  ///< ways of the linear axes, tip at rest, by radian of a rotary one
   Place places[kPlaces];
 };
 

@@ -7,8 +7,8 @@
 namespace abbe::kernel {
 namespace {
 
-/// What refine_poses needs of a solver: its rows, and the ways of the linear axes that keep the tip where it is
-/// when a rotary axis turns.
+/// What refine_poses needs of a solver: its rows, and the ways of the linear axes that keep the tip where it
+/// is when a rotary axis turns.
 template <class V, class Store>
 [[gnu::always_inline]] inline void keep_rows(const Solver<V>& solver, const FreeAxes& axes,
                                              const FirstOrder<V>& f, PoseWork& work, const Store& store_row) {
@@ -61,12 +61,12 @@ void estimate_packet(const FlatView& plan, const Setting& setting, const FreeAxe
 }
 
 #if defined(ABBE_KERNEL_HAS_SINGLES)
-/// As estimate_packet; false, and nothing is said, where single precision would show and for every pose that is
-/// not ordinary.
+/// As estimate_packet; false, and nothing is said, where single precision would show and for every pose that
+/// is not ordinary.
 [[gnu::always_inline]] inline bool estimate_singles(const FlatView& plan, const Setting& setting,
                                                     const FreeAxes& axes, const double* const* q,
-                                                    std::size_t first, double* const* estimate, PoseWork& work,
-                                                    Place* places) {
+                                                    std::size_t first, double* const* estimate,
+                                                    PoseWork& work, Place* places) {
   State<Single> state;
   state.tip = setting.tip;
   state.axis = setting.axis;
@@ -142,8 +142,8 @@ void refine_packet(const FlatView& plan, const Setting& setting, const FreeAxes&
   }
   store(turn_left, first, PoseWork::kMost, root(turn_square));
   store(way_left, first, PoseWork::kMost, root(way_square));
-  mark(state.outside, lanes_outside(way_square, 0.0, kMostStep * kMostStep), {nullptr, first, PoseWork::kMost},
-       lanes_of<V>, lanes);
+  mark(state.outside, lanes_outside(way_square, 0.0, kMostStep * kMostStep),
+       {nullptr, first, PoseWork::kMost}, lanes_of<V>, lanes);
 }
 
 }  // namespace

@@ -109,7 +109,7 @@ void correct_poses(const FlatView& plan, const Setting& setting, const double* c
 }  // namespace
 
 const Kernel& ABBE_KERNEL_FUNCTION() {
-  static constexpr Kernel kernel = {ABBE_KERNEL_NAME, lanes_of<Packet>, one_tip, tips, poses,
+  static constexpr Kernel kernel = {ABBE_KERNEL_NAME, lanes_of<Packet>, one_tip,     tips, poses,
                                     correct_poses,    estimate_poses,   refine_poses};
   return kernel;
 }

@@ -102,8 +102,8 @@ bool Comparison::commands_agree(const PlainLane::End& from, const PlainLane::End
          (found.m - wanted.m).squaredNorm() <= most * most && !model_.beyond_travel(found);
 }
 
-/// The tip stays within what is allowed from end `first` to end `last`, and so does the tool axis, without what
-/// else cover_turning() grants.
+/// The tip stays within what is allowed from end `first` to end `last`, and so does the tool axis, without
+/// what else cover_turning() grants.
 bool Comparison::stays_within(std::size_t first, std::size_t last) const {
   double miss = 0, lean = 0;
   for (std::size_t i = first; i <= last; ++i) {
@@ -167,7 +167,8 @@ bool Comparison::compare_plain() {
     PlainLane::End &from = lane_.ends[done], &end = lane_.ends[done + 1];
     plain_end(i, j, end);
     const bool known = lane_.uncorrected.lanes[i] == 0 && lane_.done.lanes[j] == 0;
-    if (!known || !((end.meant - from.meant).squaredNorm() > kStill * kStill) || !commands_agree(from, end)) break;
+    if (!known || !((end.meant - from.meant).squaredNorm() > kStill * kStill) || !commands_agree(from, end))
+      break;
     enter_end(done + 1);
   }
   if (done > 0 && !stays_within(0, done)) {

@@ -28,7 +28,7 @@ struct PlainLane {
   TipModel::Poses meant, uncorrected, done;
   std::uint64_t original_serial = 0, output_serial = 0;
   bool follows = false;  ///< `last` is where both programs stand
-  double quantum = 0;     ///< Comparison::quantum
+  double quantum = 0;    ///< Comparison::quantum
   PlainMotion last_original, last_output;
   std::array<End, kMost + 1> ends;  ///< the first one is where the run begins
   MoveRun run;                      ///< between them
