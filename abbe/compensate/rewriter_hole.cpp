@@ -17,6 +17,7 @@ namespace {
 constexpr int kOnce = 1, kFromHereOn = 2;
 // A definition may be followed by so much before it is called the first time, bytes.
 constexpr std::size_t kMostHeld = std::size_t{1} << 16;
+constexpr double kNoShift = 1e-9;  // mm: rounding of a correction that is none
 
 /// Places at the edge of a hole that are looked at.
 constexpr double kDiagonal = 0.70710678118654752;
@@ -135,10 +136,11 @@ bool Rewriter::call_allowed(bool moves) {
   if (instruction_.zero == 280 || (moves && is_arc(instruction_.motion)))
     return bad("E-CYCLE", "a cycle is called beside an arc or M91", "where the hole is, is not sure",
                "call it beside L X.. Y.. FMAX");
-  if (in_.frames.placed())
-    return bad("E-CYCLE", "a cycle is called in a tilted plane",
-               "its surface is one height for all holes, which need their own", "post the holes as L blocks");
-  if (tcp_ || instruction_.tcp == 1)
+  const bool on_plane = plane_ == PlaneStage::stands;
+  if (in_.frames.placed() && !on_plane)
+    return bad("E-CYCLE", "a cycle is called on a plane before X, Y and Z have been commanded there",
+               "where the hole is, is not known", "go over the hole first: L X.. Y.. FMAX, L Z.. FMAX");
+  if ((tcp_ && !on_plane) || instruction_.tcp == 1)
     return bad("E-TCP", "a cycle is called while tool centre point control is on",
                "along which axis the control drills then is not sure", "switch it off before (M129)");
   const bool repeats = instruction_.cycle_call == 0 || instruction_.cycle_call == kFromHereOn || hole_.modal;
@@ -155,7 +157,7 @@ std::optional<Vec3> Rewriter::hole_shift(const Vec3& m) {
   Vec3 middle = in_.frames.to_program(m);
   middle.z() = (hole_.span.top + hole_.span.bottom) / 2 * modal_.unit();
   std::array<signed char, 3> approach = approach_;
-  approach[2] = -1;
+  if (job_.reversal) approach[2] = -1;
   const auto c = correction_at(in_.frames.to_machine(middle), 0, approach);
   if (!c) return std::nullopt;
   return in_.frames.vector_to_program(*c);
@@ -206,7 +208,7 @@ void Rewriter::drill(std::string& out, std::size_t begin) {
   Vec3 shift(stands.x(), stands.y(), (hole_.surface_out - surface) * unit);
   std::string before;
   if (!drill_at(*wanted, shift, before)) return;
-  const bool first_to_differ = hole_.modal && !hole_.each && *wanted != Vec3::Zero();
+  const bool first_to_differ = hole_.modal && !hole_.each && wanted->norm() > kNoShift;
   if (first_to_differ && instruction_.cycle_call == 0 && !before.empty()) {
     refuse_block("E-CYCLE", "a hole behind M89 needs another height than those before it",
                  "it needs a definition of its own, which may end M89", "call each hole with M99");

@@ -118,6 +118,20 @@ TEST(KlartextHoles, ACallThatGoesNowhereGetsAStep) {
       << result.output;
 }
 
+// The mean of both directions is compensated unless --reversal asks for the one in which the drill goes.
+TEST(KlartextHoles, LostMotionAlongTheHoleIsLeftAlone) {
+  const std::string lost = "EZZ = { forward = { poly = [6] }, backward = { poly = [-6] } }\n";
+  const std::string call = "5 L X+100 Y+10 FMAX M99\n6 END PGM A MM\n";
+  const ProgramRun mean = run(lost, std::string(kHead) + kDrill + call);
+  ASSERT_EQ(mean.outcome.end, ProgramEnd::done) << findings(mean.outcome);
+  EXPECT_NE(mean.output.find("Q203=+0 ;"), std::string::npos) << mean.output;
+  ProgramJob job = hole_job();
+  job.reversal = true;
+  const ProgramRun down = run_program(plan_of(machine_with(lost)), std::string(kHead) + kDrill + call, job);
+  ASSERT_EQ(down.outcome.end, ProgramEnd::done) << findings(down.outcome);
+  EXPECT_NE(down.output.find("Q203=+0.0060 ;"), std::string::npos) << down.output;
+}
+
 // The direction in which a fine correction changes inside a hole cannot be followed.
 TEST(KlartextHoles, TooDeepAHoleIsRefused) {
   const std::string tilt = "EXZ = { poly = [0, 0.5] }\n";

@@ -88,9 +88,9 @@ bool Control::may_drill(int call) {
   for (int i = 0; i < b.extra_count; ++i) late = late || b.extras[static_cast<std::size_t>(i)].after;
   if (late)
     return bad("E-AUX", "a call beside a code that acts behind the motion", "their order is not sure");
-  if (frames_.placement.on())
-    return bad("E-CYCLE", "a cycle in a tilted plane", "its axis is none of the machine");
-  if (tcp_) return bad("E-TCP", "a cycle while the tip is controlled", "its axis is not sure");
+  if (frames_.placement.on() && !on_plane_)
+    return bad("E-CYCLE", "a cycle on a plane where the tool does not stand yet", "its axis is not sure");
+  if (tcp_ && !on_plane_) return bad("E-TCP", "a cycle while the tip is controlled", "its axis is not sure");
   const bool always = drills_always_ || call != 99;
   const bool sideways = moves_ && motion_.kind == MotionKind::rapid && (motion_.named & 3u) != 0;
   if (always && !sideways)
@@ -116,6 +116,7 @@ bool Control::drill() {
   hole_.kind = MotionKind::cycle;
   hole_.code = 10 * hole_words_.cycle;
   hole_.start = m_;
+  hole_.tcp = tcp_;
   hole_.turns_start = hole_.turns_end = turns_;
   hole_.feed_mode = feed_mode_;
   hole_.feed = feed_;
@@ -132,6 +133,7 @@ bool Control::drill() {
   m_ = machine_of(frames_, u_);
   cycle.clear = m_.at;
   cycle.reach = place->reach * unit_;
+  cycle.aside_axes = {vector_of(frames_, Vec3::UnitX()), vector_of(frames_, Vec3::UnitY())};
   cycle.words = &hole_words_;
   hole_.end = m_;
   return true;

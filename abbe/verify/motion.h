@@ -47,6 +47,7 @@ struct Cycle {
   double peck = 0;                   ///< Q, mm
   double aside = 0;                  ///< Q of a fine bore, mm
   double reach = 0;                  ///< how far the tool goes to the side of the hole's axis, mm
+  std::array<Vec3, 2> aside_axes{Vec3::UnitX(), Vec3::UnitY()};  ///< to which sides: X, Y of the frame
   const HoleWords* words = nullptr;  ///< of CYCL DEF 200 .. 209; valid until the next block is read
 };
 
