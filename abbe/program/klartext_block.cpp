@@ -18,8 +18,8 @@ constexpr std::size_t kMostDigitsOfBlock = 9;
 
 // Codes as the readers number them.
 constexpr double kRapid = 0, kLine = 1, kClockwise = 2, kCounterClockwise = 3, kInch = 20, kMm = 21,
-                 kMachinePlace = 28, kNoRadius = 40, kLength = 43, kNoLength = 49, kCallCycle = 99,
-                 kTipControl = 128, kNoTipControl = 129;
+                 kMachinePlace = 28, kNoRadius = 40, kLeft = 41, kRight = 42, kLength = 43, kNoLength = 49,
+                 kCallCycle = 99, kTipControl = 128, kNoTipControl = 129;
 
 /// One line on its way to a Block.
 class KlartextLine : public KlartextScan {
@@ -165,7 +165,7 @@ class KlartextLine : public KlartextScan {
     return std::nullopt;
   }
 
-  // R0, F, M and nothing else, up to the end.
+  // R0, RL, RR, F, M and nothing else, up to the end.
   std::optional<BlockError> read_others() {
     for (skip_blanks(); at_ < end_; skip_blanks()) {
       const std::size_t begin = at_;
@@ -178,6 +178,8 @@ class KlartextLine : public KlartextScan {
       } else if (word == "R" && at_ < end_ && text_[at_] == '0' &&
                  (at_ + 1 == end_ || is_blank(text_[at_ + 1]))) {
         error = add('G', begin, begin, ++at_, kNoRadius);
+      } else if ((word == "RL" || word == "RR") && (at_ == end_ || is_blank(text_[at_]))) {
+        error = add('G', begin, begin, at_, word == "RL" ? kLeft : kRight);
       } else if (word == "S") {
         error = read_value('S', begin);
       } else {

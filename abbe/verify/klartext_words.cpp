@@ -308,7 +308,7 @@ class KlartextScanner : public WordTaker {
     return true;
   }
 
-  /// R0, F, FMAX (of L), F AUTO, S, M from item i on.
+  /// R0, RL, RR, F, FMAX (of L), F AUTO, S, M from item i on.
   bool functions(std::size_t i, bool may_be_rapid = false) {
     int feeds = 0;
     for (; i < count_; ++i) {
@@ -318,6 +318,8 @@ class KlartextScanner : public WordTaker {
         return bad(said, "E-FEED", "two feeds in a block", "it is not defined which one holds", "keep one");
       if (said == "R0") {
         if (!g_word(40, column(said))) return false;
+      } else if (said == "RL" || said == "RR") {
+        if (!g_word(said[1] == 'L' ? 41 : 42, column(said))) return false;
       } else if (said == "FMAX" && may_be_rapid) {
         continue;
       } else if (said == "FMAX") {

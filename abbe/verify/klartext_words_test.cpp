@@ -234,7 +234,8 @@ TEST(KlartextWords, WhatIsNotUnderstoodIsRefused) {
   const std::string understood = changed("14 L X", "L X+10 R0\n14 L X");
   EXPECT_TRUE(compared(understood, understood).agrees) << "or the lines below are refused for another reason";
   for (const char* line : {"L X+Q1",
-                           "L X+10 RL",
+                           "L X+10 R+",
+                           "L X+10 RLX",
                            "CYCL DEF 200 Q335=5",
                            "CYCL DEF 200.1 X+5",
                            "CYCL DEF 251 ~",
