@@ -65,6 +65,7 @@ class PlaneWriter {
   }
   std::string holes() {
     constexpr int bore_mill = 208;
+    if (random_.chance(0.25)) return old_holes();
     const int cycle = random_.chance(0.3) ? bore_mill : 200 + static_cast<int>(random_.below(4));
     std::string text = fmt::format("CYCL DEF {} HOLE ~\n Q200=2 ~\n Q201={:.3f} ~\n Q203={:.3f} ~\n Q204=20",
                                    cycle, -rounded(random_.between(1, 4)), rounded(random_.between(-15, 15)));
@@ -77,6 +78,26 @@ class PlaneWriter {
       else
         text += random_.chance(0.5) ? " M99\n" : "\nCYCL CALL\n";
     }
+    return text + "L Z+60 FMAX\n";
+  }
+
+  /// The older cycles drill from where the tool stands.
+  std::string old_holes() {
+    const double depth = rounded(random_.between(1, 4)), surface = rounded(random_.between(-15, 15));
+    std::string text = random_.chance(0.5)
+                           ? fmt::format(
+                                 "CYCL DEF 1.0 PECKING\nCYCL DEF 1.1 SET UP 2\nCYCL DEF 1.2 DEPTH-{:.3f}\n"
+                                 "CYCL DEF 1.3 PECKG 1\nCYCL DEF 1.4 DWELL 0\nCYCL DEF 1.5 F100\n",
+                                 depth)
+                           : fmt::format(
+                                 "CYCL DEF 17.0 TAPPING\nCYCL DEF 17.1 DIST2\nCYCL DEF 17.2 DEPTH -{:.3f}\n"
+                                 "CYCL DEF 17.3 PITCH-1\n",
+                                 depth);
+    text += fmt::format("L X{:+.3f} Y{:+.3f} FMAX\nL Z{:+.3f} FMAX M99\n", place(), place(), surface + 2);
+    const bool modal = random_.chance(0.3);
+    text += fmt::format("L X{:+.3f} Y{:+.3f} FMAX {}\n", place(), place(), modal ? "M89" : "M99");
+    text += fmt::format("L X{:+.3f} Y{:+.3f} FMAX{}\n", place(), place(), modal ? "" : "\nCYCL CALL");
+    text += fmt::format("L Y{:+.3f} FMAX M99\n", place());
     return text + "L Z+60 FMAX\n";
   }
 

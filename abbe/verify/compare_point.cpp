@@ -65,7 +65,8 @@ void Comparison::compare_rapid(const Motion& original, const Motion& output, Axe
   for (int i = 0; i < 3; ++i)
     if (((withheld_ | unjudged) & bit(i)) != 0) steps[i] = 0;
   // X and Y of the frame belong to the hole below, and are looked at there.
-  if (original.to_hole && output.to_hole) steps = along_hole(original_.frames(), steps);
+  if (original.to_hole && output.to_hole)
+    steps = original.with_height ? Vec3::Zero() : along_hole(original_.frames(), steps);
   const double distance = model_.nominal_step(steps).norm();
   const double allowed = allowed_for(quantum());
   if (!(distance <= allowed))
@@ -141,12 +142,12 @@ void Comparison::check_reach(const Vec3& original, const Vec3& output) {
     disagree("V-TRAVEL", travel_message(axis, at));
 }
 
-/// In front of a hole the output may go to where it needs the tool: a rapid in X and Y, no further than a
-/// correction. False: there is no motion behind it (reported).
+/// In front of a hole the output may go to where it needs the tool: a rapid in X and Y, and in Z if the hole
+/// counts from there, no further than a correction. False: there is no motion behind it (reported).
 bool Comparison::skip_step_to_hole(const Motion& expected) {
   const Motion& step = output_.motion();
   const bool before_hole = expected.kind == MotionKind::cycle && expected.cycle.words != nullptr;
-  constexpr Axes z = 4;
+  const Axes z = before_hole && of_lines(expected.cycle.words->cycle) ? 0 : 4;
   if (!before_hole || step.kind != MotionKind::rapid || step.machine_words || step.to_hole ||
       (step.named & z) != 0 || step.named_turns != 0 || step.start.known != kAllAxes)
     return true;

@@ -23,6 +23,9 @@ bool Control::define_hole() {
     hole_words_.cycle = block_->hole.cycle;
     hole_words_.count = 0;
   }
+  if (hole_words_.cycle != block_->hole.cycle)
+    return refuse(1, "E-CYCLE", "a line of a cycle that does not follow its first one",
+                  "the control takes its lines together", "write all of them, from .0 on");
   for (int i = 0; i < block_->hole.count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     if (!hole_words_.take(block_->hole.name[k], block_->hole.value[k]))
@@ -110,6 +113,7 @@ bool Control::drill() {
   if (!place) return refuse(1, "E-CYCLE", fault, "where the tool goes is not sure", "complete the cycle");
   drills_always_ = call == kCallAlways || (drills_always_ && call < 0);
   if (moves_) motion_.to_hole = motion_.kind == MotionKind::rapid;
+  motion_.with_height = place->from_tool;
 
   drills_ = true;
   hole_ = Motion{};
@@ -120,9 +124,10 @@ bool Control::drill() {
   hole_.turns_start = hole_.turns_end = turns_;
   hole_.feed_mode = feed_mode_;
   hole_.feed = feed_;
+  const double zero = place->from_tool ? u_.at.z() : frames_.g92.z();
   const auto at_height = [&](double height) {
     Vec3 u = u_.at;
-    u.z() = height * unit_ + frames_.g92.z();
+    u.z() = height * unit_ + zero;
     return Position{u, kAllAxes};
   };
   Cycle& cycle = hole_.cycle;
