@@ -13,6 +13,7 @@ namespace abbe {
 struct CutterState {
   enum class Phase : std::uint8_t { off, begins, on, ends } phase = Phase::off;
   double offset = 0;  ///< mm to the left of the path: +r for G41, -r for G42
+  bool left = true;   ///< G41; r may be 0
 
   [[nodiscard]] bool acts() const { return phase != Phase::off; }
   [[nodiscard]] bool on() const { return phase == Phase::on; }

@@ -35,6 +35,8 @@ std::string words_of(const std::string& line, KlartextContext context = {}) {
 
 TEST(KlartextBlock, MotionsBecomeCodesAndWords) {
   EXPECT_EQ(words_of("12 L X+10.5 IZ-5,25 R0 F500 M3"), "G1 X10.5 IZ-5.25 G40 F500 M3");
+  EXPECT_EQ(words_of("12 L X+10.5 RL F500"), "G1 X10.5 G41 F500");
+  EXPECT_EQ(words_of("12 L Y+3 F500 RR M8"), "G1 Y3 F500 G42 M8");
   EXPECT_EQ(words_of("L X-0.001 Y 7 FMAX M91"), "G0 X-0.001 Y7 G28");
   EXPECT_EQ(words_of("13 L M8"), "G1 M8");
   EXPECT_EQ(words_of("14 CC X+1 Y-2"), "I1 J-2");
@@ -76,8 +78,8 @@ TEST(KlartextBlock, WhatMayMoveOtherwiseIsRefused) {
                                                                     {"L X+10 FQ5", "E-EXPR"},
                                                                     {"Q5 = 3", "E-EXPR"},
                                                                     {"FN 0: Q5 = 3", "E-EXPR"},
-                                                                    {"L X+1 RL", "E-CUTCOM"},
-                                                                    {"L X+1 RR F500", "E-CUTCOM"},
+                                                                    {"L X+1 R+", "E-GCODE"},
+                                                                    {"L X+1 RLX F500", "E-GCODE"},
                                                                     {"CYCL DEF 200 X Q335=5", "E-CYCLE"},
                                                                     {"CYCL DEF 200 Q200=Q1", "E-EXPR"},
                                                                     {"CYCL DEF 251 Q215=0", "E-CYCLE"},

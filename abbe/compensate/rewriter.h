@@ -400,6 +400,8 @@ class Rewriter {
   void release_hole(std::string& out);
   bool call_hole(bool moves);
   bool call_allowed(bool moves);
+  [[nodiscard]] double hole_height(double height, const Vec3& p) const;
+  [[nodiscard]] Vec3 present_shift() const;
   std::optional<Vec3> hole_shift(const Vec3& m);
   std::optional<double> left_in_hole(const Vec3& shift);
   bool lead_to_hole(const Vec3& m, Vec3& correction);

@@ -392,7 +392,8 @@ bool Rewriter::write_arc(const Arc& nominal, std::string& out, Vec3& p_out) {
   if (by_pole) {
     const auto leaves = leaves_plane(nominal, p_out.z());
     if (!leaves) return false;
-    if (*leaves && stretches_.size() == 1) return chords(nominal, out, p_out);
+    // beside a contour chords would be corners: there the arc stays, if it is good enough
+    if (*leaves && stretches_.size() == 1 && !cutter_.acts()) return chords(nominal, out, p_out);
   }
   std::string lead;  // blocks in front of the first
   std::string extra, tail;

@@ -49,6 +49,11 @@ bool Rewriter::cutter_settings() {
     refuse_block("E-CUTCOM", what, why, fix);
     return false;
   };
+  const bool left = code == 410 || code == 411;
+  // conversational programs may say it in every block
+  if (profile_.text.conversational && cutter_.left == left &&
+      (cutter_.phase == Phase::begins || cutter_.phase == Phase::on))
+    return true;
   if (cutter_.acts())
     return bad("cutter compensation is switched while it is on", "controls refuse it, or differ in the path",
                "write G40 with a motion before");
@@ -67,8 +72,7 @@ bool Rewriter::cutter_settings() {
                "leave --reversal away: the mean is compensated and the lost motion reported");
   const auto radius = stated_radius();
   if (!radius) return false;
-  const bool left = code == 410 || code == 411;
-  cutter_ = {Phase::begins, left ? *radius : -*radius};
+  cutter_ = {Phase::begins, left ? *radius : -*radius, left};
   last_way_.reset();
   report_.cutter_radius = std::max(report_.cutter_radius, *radius);
   return true;

@@ -17,6 +17,7 @@ namespace {
 constexpr int kOnce = 1, kFromHereOn = 2;
 // A definition may be followed by so much before it is called the first time, bytes.
 constexpr std::size_t kMostHeld = std::size_t{1} << 16;
+constexpr double kNoShift = 1e-9;  // mm: rounding of a correction that is none
 
 /// Places at the edge of a hole that are looked at.
 constexpr double kDiagonal = 0.70710678118654752;
@@ -44,8 +45,11 @@ void Rewriter::define_hole(std::string& out) {
     hole_.definition.title = std::string(block_->text.substr(begin, block_->words_end - begin));
     // One inside a subprogram is written elsewhere; what is held is then written as it is.
     if (depth_ == 0) held_from_ = holds_ ? out.size() : 0;
-    holds_ = depth_ == 0;
+    holds_ = depth_ == 0 && !has_parts(block_->cycle);
   }
+  if (hole_.definition.cycle != block_->cycle)
+    return refuse_block("E-CYCLE", "a line of a cycle without its first one",
+                        "the control takes the lines of a cycle together", "write them from .0 on");
   for (int i = 0; i < block_->count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const Word& word = block_->words[k];
@@ -120,7 +124,10 @@ bool Rewriter::call_allowed(bool moves) {
     if (!answer.span)
       return bad("E-CYCLE", answer.message,
                  "where the hole is, or where the tool stands behind it, is not sure",
-                 "write the cycle with Q200, a negative Q201, Q203 and Q204 (0, or not below Q200)");
+                 has_parts(hole_.definition.cycle)
+                     ? "write all lines of the cycle, with a set-up clearance that is not negative and a "
+                       "negative depth"
+                     : "write the cycle with Q200, a negative Q201, Q203 and Q204 (0, or not below Q200)");
     hole_.span = *answer.span;
     hole_.sure = true;
   }
@@ -135,10 +142,11 @@ bool Rewriter::call_allowed(bool moves) {
   if (instruction_.zero == 280 || (moves && is_arc(instruction_.motion)))
     return bad("E-CYCLE", "a cycle is called beside an arc or M91", "where the hole is, is not sure",
                "call it beside L X.. Y.. FMAX");
-  if (in_.frames.placed())
-    return bad("E-CYCLE", "a cycle is called in a tilted plane",
-               "its surface is one height for all holes, which need their own", "post the holes as L blocks");
-  if (tcp_ || instruction_.tcp == 1)
+  const bool on_plane = plane_ == PlaneStage::stands;
+  if (in_.frames.placed() && !on_plane)
+    return bad("E-CYCLE", "a cycle is called on a plane before X, Y and Z have been commanded there",
+               "where the hole is, is not known", "go over the hole first: L X.. Y.. FMAX, L Z.. FMAX");
+  if ((tcp_ && !on_plane) || instruction_.tcp == 1)
     return bad("E-TCP", "a cycle is called while tool centre point control is on",
                "along which axis the control drills then is not sure", "switch it off before (M129)");
   const bool repeats = instruction_.cycle_call == 0 || instruction_.cycle_call == kFromHereOn || hole_.modal;
@@ -150,12 +158,25 @@ bool Rewriter::call_allowed(bool moves) {
   return true;
 }
 
+// A height of the hole for a tool that stands at this place of the program, mm.
+double Rewriter::hole_height(double height, const Vec3& p) const {
+  return height * modal_.unit() + (hole_.span.from_start ? p.z() : 0.0);
+}
+
+// How far the output's hole is from the original's as things stand, mm.
+Vec3 Rewriter::present_shift() const {
+  const Vec3 stands = out_.p() - in_.p();
+  if (hole_.span.from_start) return stands;
+  const double surface = hole_.definition.find(kSurface)->value;
+  return {stands.x(), stands.y(), (hole_.surface_out - surface) * modal_.unit()};
+}
+
 // The correction at mid-depth below (or above) a place, on the way down. Nothing: refused.
 std::optional<Vec3> Rewriter::hole_shift(const Vec3& m) {
   Vec3 middle = in_.frames.to_program(m);
-  middle.z() = (hole_.span.top + hole_.span.bottom) / 2 * modal_.unit();
+  middle.z() = hole_height((hole_.span.top + hole_.span.bottom) / 2, middle);
   std::array<signed char, 3> approach = approach_;
-  approach[2] = -1;
+  if (job_.reversal) approach[2] = -1;
   const auto c = correction_at(in_.frames.to_machine(middle), 0, approach);
   if (!c) return std::nullopt;
   return in_.frames.vector_to_program(*c);
@@ -169,7 +190,7 @@ std::optional<double> Rewriter::left_in_hole(const Vec3& shift) {
   for (std::size_t i = 0; i < places; ++i) {
     for (const double height : {hole_.span.top, hole_.span.bottom}) {
       Vec3 p = in_.p() + hole_.span.aside * unit * Vec3(kAround[i][0], kAround[i][1], 0);
-      p.z() = height * unit;
+      p.z() = hole_height(height, p);
       const auto c = correction_at(in_.frames.to_machine(p), 0, approach_);
       if (!c) return std::nullopt;
       left = std::max(left, (in_.frames.vector_to_program(*c) - shift).norm());
@@ -178,12 +199,14 @@ std::optional<double> Rewriter::left_in_hole(const Vec3& shift) {
   return left;
 }
 
-// The rapid to a hole ends over it as the hole needs it; its height is its own.
+// The rapid to a hole ends over it as the hole needs it; its height is its own unless the hole counts from
+// it.
 bool Rewriter::lead_to_hole(const Vec3& m, Vec3& correction) {
   const auto shift = hole_shift(m);
   if (!shift) return false;
   Vec3 own = in_.frames.vector_to_program(correction);
   own.head<2>() = shift->head<2>();
+  if (hole_.span.from_start) own = *shift;
   correction = in_.frames.vector_to_machine(own);
   return true;
 }
@@ -201,12 +224,11 @@ void Rewriter::drill(std::string& out, std::size_t begin) {
   follow(Vec3(0, 0, -1), 4);
   const auto wanted = hole_shift(in_.m);
   if (!wanted) return;
-  const double surface = hole_.definition.find(kSurface)->value, unit = modal_.unit();
-  const Vec3 stands = out_.p() - in_.p();
-  Vec3 shift(stands.x(), stands.y(), (hole_.surface_out - surface) * unit);
+  Vec3 shift = present_shift();
   std::string before;
   if (!drill_at(*wanted, shift, before)) return;
-  const bool first_to_differ = hole_.modal && !hole_.each && *wanted != Vec3::Zero();
+  const bool own_height = !hole_.span.from_start;  // in the definition
+  const bool first_to_differ = own_height && hole_.modal && !hole_.each && wanted->norm() > kNoShift;
   if (first_to_differ && instruction_.cycle_call == 0 && !before.empty()) {
     refuse_block("E-CYCLE", "a hole behind M89 needs another height than those before it",
                  "it needs a definition of its own, which may end M89", "call each hole with M99");
@@ -217,7 +239,7 @@ void Rewriter::drill(std::string& out, std::size_t begin) {
   out.insert(begin, before);
   report_.lines_out += static_cast<std::uint64_t>(std::count(before.begin(), before.end(), '\n'));
   Vec3 end = in_.p();
-  end.z() = hole_.span.clear * unit;
+  end.z() = hole_height(hole_.span.clear, end);
   in_.m = in_.frames.to_machine(end);
   out_.m = out_.frames.to_machine(end + shift);
   stands_ = approach_;
@@ -250,10 +272,11 @@ bool Rewriter::drill_at(const Vec3& wanted, Vec3& shift, std::string& before) {
   if (!left) return false;
   const bool may_go = instruction_.motion < 0 || !instruction_.moves_axes;
   if (*left > interpolation_ || holds_) {
-    const double surface = hole_.definition.find(kSurface)->value, unit = modal_.unit();
-    set_surface(wanted.z() / unit, before);
-    shift.z() = (hole_.surface_out - surface) * unit;
-    left = left_in_hole(shift);
+    if (!hole_.span.from_start) {
+      set_surface(wanted.z() / modal_.unit(), before);
+      shift = present_shift();
+      left = left_in_hole(shift);
+    }
     if (*left > interpolation_ && may_go) {
       step_aside(wanted, shift, before);
       left = left_in_hole(shift);
@@ -311,16 +334,16 @@ void Rewriter::append_definition(std::string& to, const std::string& surface) {
   to += eol;
 }
 
-// A rapid over the hole in front of a call that does not go there itself.
+// A rapid over the hole in front of a call that does not go there itself; in Z where the hole counts from it.
 void Rewriter::step_aside(const Vec3& wanted, Vec3& shift, std::string& before) {
   const double unit = modal_.unit();
   const int decimals = decimals_of(nullptr);
   const Vec3 to = in_.p() + wanted, from = out_.p();
   Vec3 p_out = from;
   std::string words;
-  for (int k = 0; k < 2; ++k) {
+  for (int k = 0; k < (hole_.span.from_start ? 3 : 2); ++k) {
     if (std::abs(to[k] - from[k]) <= half_digit(decimals) * unit) continue;
-    words += fmt::format(" {}", "XY"[k]);
+    words += fmt::format(" {}", "XYZ"[k]);
     p_out[k] = append_number(words, to[k] / unit, decimals, block_->style) * unit;
     shift[k] = p_out[k] - in_.p()[k];
   }

@@ -95,6 +95,53 @@ TEST(KlartextHoles, WithoutErrorsNoByteChanges) {
   EXPECT_EQ(result.output, program);
 }
 
+constexpr const char* kPeck =
+    "4 CYCL DEF 1.0 PECKING\n5 CYCL DEF 1.1 SET UP 2\n6 CYCL DEF 1.2 DEPTH -10\n7 CYCL DEF 1.3 PECKG 5\n"
+    "8 CYCL DEF 1.4 DWELL 0\n9 CYCL DEF 1.5 F100\n";
+
+// The older cycles begin where the tool stands: its height is corrected with X and Y. At the middle of the
+// hole, Z-5, X is 0.5 um short.
+TEST(KlartextHoles, OlderCyclesAreMovedByTheToolsHeight) {
+  const ProgramRun result = run(std::string(kSlope) + "EXZ = { poly = [0, 0.1] }\n",
+                                std::string(kHead) + kPeck +
+                                    "10 L X+100 Y+10 FMAX\n11 L Z+2 FMAX M99\n12 L X+50 FMAX M99\n"
+                                    "13 L X+20 FMAX\n14 CYCL CALL\n15 L Z+50 FMAX\n16 END PGM A MM\n");
+  ASSERT_EQ(result.outcome.end, ProgramEnd::done) << findings(result.outcome);
+  EXPECT_NE(result.output.find("\n11 L Z+1.9800 X+100.0005 FMAX M99\n12 L X+50.0005 Z+1.9900 FMAX M99\n"),
+            std::string::npos)
+      << result.output;
+  EXPECT_NE(result.output.find("\n13 L X+19.9998 Z+1.9960 FMAX\n14 L X+20.0005 FMAX\n15 CYCL CALL\n"),
+            std::string::npos)
+      << result.output;
+}
+
+TEST(KlartextHoles, OlderCyclesThatWereSpoiledAreFound) {
+  const Plan plan = plan_of(machine_with(kSlope));
+  const std::string program = std::string(kHead) + kPeck +
+                              "10 L X+100 Y+10 FMAX\n11 L Z+2 FMAX M99\n12 L X+50 FMAX M89\n13 L X+20 FMAX\n"
+                              "14 L X+10 FMAX M99\n15 END PGM A MM\n";
+  run_program(plan, program, hole_job(), [&](const ProgramJob& job, ProgramOutcome& outcome) {
+    ASSERT_EQ(outcome.end, ProgramEnd::done) << findings(outcome);
+    const std::string good = slurp(job.output);
+    for (const auto& [from, to] :
+         std::vector<std::pair<std::string, std::string>>{{"Z+1.9800", "Z+1.9780"},
+                                                          {"DEPTH -10", "DEPTH -10.001"},
+                                                          {"SET UP 2", "SET UP 3"},
+                                                          {"PECKG 5", "PECKG 2"},
+                                                          {"DWELL 0", "DWELL 1"},
+                                                          {" Z+1.9900", ""},
+                                                          {"F100", "F200"},
+                                                          {"M89", "M99"},
+                                                          {"X+50", "X+50.002"}}) {
+      std::string text = good;
+      const std::size_t at = text.find(from);
+      ASSERT_NE(at, std::string::npos) << from << good;
+      const TestFile spoiled(text.replace(at, from.size(), to));
+      EXPECT_NE(verify_programs(plan, job, spoiled.path()).end, ProgramEnd::done) << to;
+    }
+  });
+}
+
 // Forms in which programs have their Q words.
 TEST(KlartextHoles, DefinitionsInOneLineAndWithoutTildes) {
   const std::string call = "5 L X+100 Y+10 FMAX M99\n6 END PGM A MM\n";
@@ -116,6 +163,20 @@ TEST(KlartextHoles, ACallThatGoesNowhereGetsAStep) {
   ASSERT_EQ(result.outcome.end, ProgramEnd::done) << findings(result.outcome);
   EXPECT_NE(result.output.find("\n6 L X+100.0004 FMAX\n7 CYCL CALL\n8 END"), std::string::npos)
       << result.output;
+}
+
+// The mean of both directions is compensated unless --reversal asks for the one in which the drill goes.
+TEST(KlartextHoles, LostMotionAlongTheHoleIsLeftAlone) {
+  const std::string lost = "EZZ = { forward = { poly = [6] }, backward = { poly = [-6] } }\n";
+  const std::string call = "5 L X+100 Y+10 FMAX M99\n6 END PGM A MM\n";
+  const ProgramRun mean = run(lost, std::string(kHead) + kDrill + call);
+  ASSERT_EQ(mean.outcome.end, ProgramEnd::done) << findings(mean.outcome);
+  EXPECT_NE(mean.output.find("Q203=+0 ;"), std::string::npos) << mean.output;
+  ProgramJob job = hole_job();
+  job.reversal = true;
+  const ProgramRun down = run_program(plan_of(machine_with(lost)), std::string(kHead) + kDrill + call, job);
+  ASSERT_EQ(down.outcome.end, ProgramEnd::done) << findings(down.outcome);
+  EXPECT_NE(down.output.find("Q203=+0.0060 ;"), std::string::npos) << down.output;
 }
 
 // The direction in which a fine correction changes inside a hole cannot be followed.
@@ -157,6 +218,15 @@ TEST(KlartextHoles, WhatIsNotSureIsRefused) {
       {shallow + "5 Q203=7\n6 L X+5 FMAX M99\n", "E-EXPR"},
       {shallow + "5 CYCL CALL PAT\n", "E-GCODE"},
       {"4 CYCL DEF 251 Q215=0\n", "E-CYCLE"},
+      {"4 CYCL DEF 1 PECKING\n", "E-GCODE"},
+      {"4 CYCL DEF 200.0 DRILLING\n", "E-GCODE"},
+      {"4 CYCL DEF 1.1 SET UP 2\n", "E-CYCLE"},
+      {"4 CYCL DEF 1.0 PECKING\n5 CYCL DEF 1.7 X 2\n", "E-CYCLE"},
+      {"4 CYCL DEF 1.0 PECKING\n5 CYCL DEF 1.1 SET UP Q2\n", "E-EXPR"},
+      {"4 CYCL DEF 1.0 P\n5 CYCL DEF 1.2 DEPTH -5\n6 L X+5 FMAX M99\n", "E-CYCLE"},
+      {kPeck + std::string("10 CYCL DEF 1.2 DEPTH -5\n"), "E-CYCLE"},
+      {kPeck + std::string("10 CYCL DEF 2.1 SET UP 5\n"), "E-CYCLE"},
+      {kPeck + std::string("10 L X+5 F100 M99\n11 L Z-1 FMAX M91 M99\n"), "E-CYCLE"},
       {"4 CYCL DEF 247\n", "E-WCS"},
       {"4 L X+5 F500 FMAX\n", "E-FEED"},
       {"4 L X+5 FMAX F500\n", "E-FEED"}};

@@ -29,12 +29,29 @@ constexpr std::array kChipTap = {200, 201, 203, 204, 0, 239, 257, 256, 336, 403}
 constexpr std::array<std::span<const int>, 10> kWords = {kDrill, kReam,        kBore, kUniversal, kBackBore,
                                                          kPeck,  kFloatingTap, kTap,  kBoreMill,  kChipTap};
 constexpr int kFirst = 200;
+// Of the older ones: set-up clearance, depth; then pecking depth, dwell and feed; dwell and feed; pitch.
+constexpr std::array kOldPeck = {1, 2, 3, 4, 5};
+constexpr std::array kOldTap = {1, 2, 3, 4};
+constexpr std::array kOldRigidTap = {1, 2, 3};
+constexpr int kPecking = 1, kTapping = 2, kRigidTapping = 17;
+constexpr int kSetUp = 1, kDepth = 2;
 constexpr int kFromBehind = 204, kMilled = 208;
 // Feeds may be named.
 constexpr std::array kFeeds = {206, 208, 253, 254};
 constexpr std::array<std::string_view, 4> kNamedFeeds = {"FAUTO", "AUTO", "FMAX", "MAX"};
 
-std::span<const int> words_of(int cycle) { return kWords[static_cast<std::size_t>(cycle - kFirst)]; }
+std::span<const int> words_of(int cycle) {
+  switch (cycle) {
+    case kPecking:
+      return kOldPeck;
+    case kTapping:
+      return kOldTap;
+    case kRigidTapping:
+      return kOldRigidTap;
+    default:
+      return kWords[static_cast<std::size_t>(cycle - kFirst)];
+  }
+}
 
 /// The name of a feed at the start of `text`, or nothing.
 std::string_view named_feed(int parameter, std::string_view text) {
@@ -55,6 +72,19 @@ BlockError refused(const char* code, std::size_t at, std::size_t length, std::st
           fix};
 }
 
+/// One more word with the letter Q; there is room. `begin`: of the word, `at`: of its number.
+void add_value(Block& block, int parameter, std::size_t begin, std::size_t at, const KlartextNumber& number) {
+  const auto i = static_cast<std::size_t>(block.count++);
+  block.parameters[i] = static_cast<std::uint16_t>(parameter);
+  block.words[i] = {'Q',
+                    true,
+                    static_cast<std::uint16_t>(begin),
+                    static_cast<std::uint16_t>(at),
+                    static_cast<std::uint16_t>(at + number.length),
+                    static_cast<std::uint16_t>(number.decimals),
+                    number.value};
+}
+
 }  // namespace
 
 const HoleDefinition::Word* HoleDefinition::find(int parameter) const {
@@ -67,6 +97,8 @@ int hole_cycle_number(std::string_view keyword) {
   constexpr std::string_view begin = "CYCL20";
   const bool known = keyword.size() == begin.size() + 1 && keyword.substr(0, begin.size()) == begin &&
                      is_digit(keyword.back());
+  for (const int old : {kPecking, kTapping, kRigidTapping})
+    if (keyword == fmt::format("CYCL{}", old)) return old;
   return known ? kFirst + (keyword.back() - '0') : 0;
 }
 
@@ -81,6 +113,20 @@ HoleAnswer span_of(const HoleDefinition& definition) {
     return word != nullptr ? word->value : 0.0;
   };
   const auto unsure = [](const char* what) { return HoleAnswer{std::nullopt, what}; };
+  if (has_parts(definition.cycle)) {
+    const bool peck = definition.cycle == kPecking, rigid = definition.cycle == kRigidTapping;
+    if (value(kSetUp) < 0 || !(value(kDepth) < 0))
+      return unsure("a set-up clearance that is negative, or a depth that is not");
+    if (rigid  ? value(3) == 0
+        : peck ? !(value(3) > 0) || value(4) < 0 || !(value(5) > 0)
+               : value(3) < 0 || !(value(4) > 0))
+      return unsure("a pecking depth, pitch or feed that is not positive, or a negative dwell");
+    HoleSpan span;
+    span.from_start = true;
+    span.top = -value(kSetUp);
+    span.bottom = span.top + value(kDepth);
+    return {span, {}};
+  }
   const double above = value(200), second = value(204), surface = value(kSurface);
   if (above < 0 || second < 0 || (second > 0 && second < above))
     return unsure("a set-up clearance Q200 or Q204 that is negative, or Q204 below Q200");
@@ -141,16 +187,31 @@ std::optional<BlockError> read_hole_words(int cycle, std::size_t at, std::size_t
     if (block.count == Block::kMaxWords)
       return refused("E-BLOCK", begin, 1, "too many words in one line", "break the line into several");
     comma = comma || number.comma;
-    block.parameters[static_cast<std::size_t>(block.count)] = static_cast<std::uint16_t>(parameter);
-    block.words[static_cast<std::size_t>(block.count++)] = {'Q',
-                                                            true,
-                                                            static_cast<std::uint16_t>(begin),
-                                                            static_cast<std::uint16_t>(at),
-                                                            static_cast<std::uint16_t>(at + number.length),
-                                                            static_cast<std::uint16_t>(number.decimals),
-                                                            number.value};
+    add_value(block, parameter, begin, at, number);
     at += number.length;
   }
+  return std::nullopt;
+}
+
+std::optional<BlockError> read_hole_value(int cycle, int part, std::size_t at, std::size_t end, bool& comma,
+                                          Block& block) {
+  const std::span<const int> known = words_of(cycle);
+  if (std::find(known.begin(), known.end(), part) == known.end())
+    return refused("E-CYCLE", 0, end, fmt::format("cycle {} has no line {}.{}", cycle, cycle, part),
+                   "write the lines of the cycle as the control does");
+  // Q5, or a name in which a variable could hide, is no number: "SET UP Q1"
+  const std::string_view text = block.text.substr(0, end);
+  const std::size_t begin = at;
+  const auto of_name = [](char c) { return is_letter(c) || is_blank(c) || c == '.'; };
+  while (at < end && of_name(text[at]) && text[at] != 'Q') ++at;
+  const bool point = at > begin && text[at - 1] == '.';  // ".5" behind a name, or the end of a short one
+  const KlartextNumber number = read_klartext_number(text.substr(at));
+  if (number.length == 0 || at + number.length != end || point)
+    return refused("E-EXPR", begin, end - begin,
+                   fmt::format("CYCL DEF {}.{} without a literal number", cycle, part),
+                   "post the cycle with literal numbers (Q parameters resolved)");
+  comma = comma || number.comma;
+  add_value(block, part, begin, at, number);
   return std::nullopt;
 }
 

@@ -51,6 +51,53 @@ TEST(HoleCycle, WhatIsNotLiteralOrNotItsOwnIsRefused) {
   for (const auto& [line, code] : refused) EXPECT_EQ(read(200, line), code) << line;
 }
 
+std::string read_line(int cycle, int part, const std::string& line) {
+  Block block;
+  bool comma = false;
+  if (begin_block(line, block)) return "line";
+  if (const auto error = read_hole_value(cycle, part, 0, line.size(), comma, block)) return error->code;
+  const Word& word = block.words[0];
+  return std::to_string(block.parameters[0]) + ":" +
+         line.substr(word.number, static_cast<std::size_t>(word.end - word.number)) + (comma ? "," : "");
+}
+
+// Controls in other languages spell the names of the lines otherwise.
+TEST(HoleCycle, LinesOfOlderCycles) {
+  EXPECT_EQ(read_line(1, 1, " SET UP 2"), "1:2");
+  EXPECT_EQ(read_line(1, 2, " TIEFE-20.5"), "2:-20.5");
+  EXPECT_EQ(read_line(1, 4, " V.ZEIT 0,5"), "4:0,5,");
+  EXPECT_EQ(read_line(1, 5, " F229"), "5:229");
+  EXPECT_EQ(read_line(17, 3, "+1.5"), "3:+1.5");
+  for (const char* line : {" SET UP Q1", " SET UP", "", " SETUPQ1", " SET UP QL5", " F AUTO", " DEPTH -5 6",
+                           " PROF.5", " DEPTH -5 M3", " depth -5", " DEPTH 1e3", " DEPTH --5"})
+    EXPECT_EQ(read_line(1, 2, line), "E-EXPR") << line;
+  EXPECT_EQ(read_line(1, 6, " X 5"), "E-CYCLE");
+  EXPECT_EQ(read_line(2, 5, " F100"), "E-CYCLE");
+  EXPECT_EQ(read_line(17, 4, " DWELL 1"), "E-CYCLE");
+}
+
+// The tool stands one set-up clearance above the surface, and comes back there.
+TEST(HoleCycle, OlderCyclesBeginWhereTheToolStands) {
+  const auto span = span_of(definition(1, {{1, 2}, {2, -20}, {3, 5}, {4, 0}, {5, 100}})).span;
+  ASSERT_TRUE(span);
+  EXPECT_TRUE(span->from_start);
+  EXPECT_EQ(span->top, -2);
+  EXPECT_EQ(span->bottom, -22);
+  EXPECT_EQ(span->clear, 0);
+  EXPECT_TRUE(span_of(definition(2, {{1, 0}, {2, -20}, {3, 0.5}, {4, 100}})).span);
+  EXPECT_TRUE(span_of(definition(17, {{1, 4}, {2, -20}, {3, -1}})).span);
+  using Words = std::vector<std::pair<int, double>>;
+  for (const Words& words : {Words{{1, -2}, {2, -20}, {3, 5}, {4, 0}, {5, 100}},
+                             {{1, 2}, {2, 20}, {3, 5}, {4, 0}, {5, 100}},
+                             {{1, 2}, {2, -20}, {3, -5}, {4, 0}, {5, 100}},
+                             {{1, 2}, {2, -20}, {3, 5}, {4, -1}, {5, 100}},
+                             {{1, 2}, {2, -20}, {3, 5}, {4, 0}, {5, 0}},
+                             {{1, 2}, {2, -20}, {3, 5}, {4, 0}}})
+    EXPECT_FALSE(span_of(definition(1, words)).span);
+  EXPECT_FALSE(span_of(definition(17, {{1, 4}, {2, -20}, {3, 0}})).span);
+  EXPECT_FALSE(span_of(definition(2, {{1, 4}, {2, -20}, {3, 0}, {4, 0}})).span);
+}
+
 // The heights: clearances and depth count from the surface.
 TEST(HoleCycle, HeightsCountFromTheSurface) {
   const auto span = span_of(definition(200, {{200, 2}, {201, -20}, {203, 5}, {204, 50}})).span;

@@ -7,9 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "abbe/program/hole_cycle.h"
+#include "abbe/program/klartext_cycle.h"
 #include "abbe/program/klartext_number.h"
-#include "abbe/program/klartext_scan.h"
 
 namespace abbe {
 namespace {
@@ -18,13 +17,13 @@ constexpr std::size_t kMostDigitsOfBlock = 9;
 
 // Codes as the readers number them.
 constexpr double kRapid = 0, kLine = 1, kClockwise = 2, kCounterClockwise = 3, kInch = 20, kMm = 21,
-                 kMachinePlace = 28, kNoRadius = 40, kLength = 43, kNoLength = 49, kCallCycle = 99,
-                 kTipControl = 128, kNoTipControl = 129;
+                 kMachinePlace = 28, kNoRadius = 40, kLeft = 41, kRight = 42, kLength = 43, kNoLength = 49,
+                 kCallCycle = 99, kTipControl = 128, kNoTipControl = 129;
 
 /// One line on its way to a Block.
-class KlartextLine : public KlartextScan {
+class KlartextLine : public KlartextCycle {
  public:
-  using KlartextScan::KlartextScan;
+  using KlartextCycle::KlartextCycle;
 
   std::optional<BlockError> read() {
     const bool continued = context_.open;
@@ -114,12 +113,6 @@ class KlartextLine : public KlartextScan {
     at_ = end_;
     return add('M', begin, begin, end_, on ? kTipControl : kNoTipControl);
   }
-  // Q words of a drilling cycle.
-  std::optional<BlockError> read_cycle_words() {
-    block_.cycle = static_cast<std::int16_t>(context_.cycle);
-    return read_hole_words(context_.cycle, at_, end_, context_.comma, block_);
-  }
-
   // L: rapid if FMAX stands behind it.
   std::optional<BlockError> read_line_block(std::size_t begin) {
     if (auto error = add('G', begin, begin, at_, kLine)) return error;
@@ -165,7 +158,7 @@ class KlartextLine : public KlartextScan {
     return std::nullopt;
   }
 
-  // R0, F, M and nothing else, up to the end.
+  // R0, RL, RR, F, M and nothing else, up to the end.
   std::optional<BlockError> read_others() {
     for (skip_blanks(); at_ < end_; skip_blanks()) {
       const std::size_t begin = at_;
@@ -178,6 +171,8 @@ class KlartextLine : public KlartextScan {
       } else if (word == "R" && at_ < end_ && text_[at_] == '0' &&
                  (at_ + 1 == end_ || is_blank(text_[at_ + 1]))) {
         error = add('G', begin, begin, ++at_, kNoRadius);
+      } else if ((word == "RL" || word == "RR") && (at_ == end_ || is_blank(text_[at_]))) {
+        error = add('G', begin, begin, at_, word == "RL" ? kLeft : kRight);
       } else if (word == "S") {
         error = read_value('S', begin);
       } else {
@@ -396,96 +391,13 @@ class KlartextLine : public KlartextScan {
     return error;
   }
 
-  // "CYCL DEF 7.1 X+5", "CYCL DEF 247 DATUM SETTING ~".
   std::optional<BlockError> read_cycle(std::size_t begin) {
     skip_blanks();
-    if (const std::string_view what = name(); what != "DEF") {
-      if (what != "CALL") return strange(begin, at_ - begin);
-      if (auto error = add('M', begin, begin, at_, kCallCycle)) return error;
-      return read_others();
-    }
-    skip_blanks();
-    std::string cycle = "CYCL";
-    while (at_ < end_ && is_digit(text_[at_])) cycle += text_[at_++];
-    int part = -1;
-    if (at_ + 1 < end_ && text_[at_] == '.' && is_digit(text_[at_ + 1])) {
-      part = text_[at_ + 1] - '0';
-      at_ += 2;
-      if (at_ < end_ && is_digit(text_[at_])) return strange(begin, at_ - begin);
-    }
-    const Profile::Keyword* keyword = find_keyword(profile_, cycle);
-    const bool ends = at_ == end_ || is_blank(text_[at_]);
-    if (keyword == nullptr || !ends)
-      return wrong("E-CYCLE", begin, fmt::format("{} is not known to the {} profile", cycle, profile_.title),
-                   "a cycle that is not understood may move the machine or change a frame",
-                   "post without it");
-    const Meaning meaning = profile_.g[keyword->index].meaning;
-    if (meaning == Meaning::unknown) {
-      if (part <= 0) return refused(*keyword, begin, at_ - begin);
-      return copied();  // its first line was refused
-    }
-    if (meaning == Meaning::hole_cycle)
-      return part < 0 ? begin_hole(*keyword, begin) : refused(*keyword, begin, at_ - begin);
-    if (part == 0) return copied();  // the title of the parts that follow
-    if (meaning == Meaning::copy || meaning == Meaning::smoothing) {
-      at_ = end_;
-      return add_code(*keyword, begin, end_);
-    }
-    if (meaning == Meaning::numbered_work_offset) {
-      context_.definition = keyword;
-      context_.wanting = true;
-      while (at_ < end_ && text_[at_] != 'Q') ++at_;
-      return read_parameters();
-    }
-    return read_shift(*keyword, begin);
-  }
-  // "CYCL DEF 200 DRILLING ~", perhaps with its first Q words.
-  std::optional<BlockError> begin_hole(const Profile::Keyword& keyword, std::size_t begin) {
-    context_.cycle = hole_cycle_number(keyword.name);
-    if (context_.cycle == 0) return refused(keyword, begin, at_ - begin);
-    context_.definition = &keyword;
-    block_.defines = true;
-    const auto word_begins = [&] {
-      return text_[at_] == 'Q' && is_blank(text_[at_ - 1]) && at_ + 1 < end_ && is_digit(text_[at_ + 1]);
-    };
-    while (at_ < end_ && !word_begins()) ++at_;
-    block_.words_end = static_cast<std::uint16_t>(at_);
-    return read_cycle_words();
-  }
-  std::optional<BlockError> read_shift(const Profile::Keyword& keyword, std::size_t begin) {
-    if (auto error = add_code(keyword, begin, at_)) return error;
-    if (auto error = read_coordinates()) return error;
-    if (block_.count == 2 && at_ == end_ && block_.increments == 0 && block_.words[1].letter >= 'X')
-      return std::nullopt;
-    return wrong("E-FRAME", begin, "a datum shift that is not CYCL DEF 7.n X.. (or Y, Z)",
-                 "a row of the datum table, an increment or an angle: the frame is not known",
-                 "write the shift of one axis in each line, in numbers");
-  }
-  // "Q339=+1": the preset that cycle 247 puts in force.
-  std::optional<BlockError> read_parameters() {
-    constexpr std::string_view kPreset = "Q339";
-    if (at_ == end_) {
-      if (context_.open || !context_.wanting) return std::nullopt;
-      return wrong("E-WCS", 0, "CYCL DEF 247 without Q339", "the preset that it puts in force is not known",
-                   "write Q339=+1");
-    }
-    context_.wanting = false;
-    const std::size_t begin = at_;
-    std::size_t at = at_ + 1;
-    while (at < end_ && is_digit(text_[at])) ++at;
-    const std::string_view parameter = text_.substr(begin, at - begin);
-    at_ = at;
-    skip_blanks();
-    const bool assigned = at_ < end_ && text_[at_] == '=';
-    if (parameter != kPreset || !assigned)
-      return wrong("E-WCS", begin, "a parameter of CYCL DEF 247 that is not Q339=..",
-                   "the frame is not known", "write Q339=+1");
-    ++at_;
-    if (auto error = add_code(*context_.definition, begin, at)) return error;
-    if (auto error = read_value('P', begin)) return error;
-    skip_blanks();
-    if (at_ == end_) return std::nullopt;
-    return strange(at_, 0);
+    const std::string_view what = name();
+    if (what == "DEF") return read_definition(begin);
+    if (what != "CALL") return strange(begin, at_ - begin);
+    if (auto error = add('M', begin, begin, at_, kCallCycle)) return error;
+    return read_others();
   }
 
   bool has_feed_ = false;   ///< F or FMAX stood in the block

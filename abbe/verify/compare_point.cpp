@@ -26,6 +26,12 @@ bool same_words(const Motion& a, const Motion& b) {
          (a.words - b.words).cwiseAbs().maxCoeff() <= kSameWord;
 }
 
+/// The part of a step along the holes that are drilled in this frame: n (n . step).
+Vec3 along_hole(const Frames& frames, const Vec3& step) {
+  const Vec3 n = vector_of(frames, Vec3::UnitZ()).normalized();
+  return n * n.dot(step);
+}
+
 }  // namespace
 
 /// The machine axes that a motion commands by its words. In a rotated frame X and Y move together.
@@ -58,8 +64,9 @@ void Comparison::compare_rapid(const Motion& original, const Motion& output, Axe
   Vec3 steps = model_.command_step(deviation);
   for (int i = 0; i < 3; ++i)
     if (((withheld_ | unjudged) & bit(i)) != 0) steps[i] = 0;
-  // X and Y belong to the hole below, and are looked at there.
-  if (original.to_hole && output.to_hole) steps[0] = steps[1] = 0;
+  // X and Y of the frame belong to the hole below, and are looked at there.
+  if (original.to_hole && output.to_hole)
+    steps = original.with_height ? Vec3::Zero() : along_hole(original_.frames(), steps);
   const double distance = model_.nominal_step(steps).norm();
   const double allowed = allowed_for(quantum());
   if (!(distance <= allowed))
@@ -135,12 +142,12 @@ void Comparison::check_reach(const Vec3& original, const Vec3& output) {
     disagree("V-TRAVEL", travel_message(axis, at));
 }
 
-/// In front of a hole the output may go to where it needs the tool: a rapid in X and Y, no further than a
-/// correction. False: there is no motion behind it (reported).
+/// In front of a hole the output may go to where it needs the tool: a rapid in X and Y, and in Z if the hole
+/// counts from there, no further than a correction. False: there is no motion behind it (reported).
 bool Comparison::skip_step_to_hole(const Motion& expected) {
   const Motion& step = output_.motion();
   const bool before_hole = expected.kind == MotionKind::cycle && expected.cycle.words != nullptr;
-  constexpr Axes z = 4;
+  const Axes z = before_hole && of_lines(expected.cycle.words->cycle) ? 0 : 4;
   if (!before_hole || step.kind != MotionKind::rapid || step.machine_words || step.to_hole ||
       (step.named & z) != 0 || step.named_turns != 0 || step.start.known != kAllAxes)
     return true;
@@ -176,7 +183,8 @@ void Comparison::compare_hole(const Motion& original, const Motion& output, cons
   constexpr int around = 8;
   for (int k = 0; original.cycle.reach > 0 && k < around; ++k) {
     const double angle = 2 * std::numbers::pi * k / around;
-    const Vec3 aside = original.cycle.reach * Vec3(std::cos(angle), std::sin(angle), 0);
+    const auto& [x, y] = original.cycle.aside_axes;
+    const Vec3 aside = original.cycle.reach * (std::cos(angle) * x + std::sin(angle) * y);
     compare_stroke(original, output, shift + aside, output_shift + aside);
   }
 }

@@ -213,7 +213,7 @@ void Comparison::compare_frames() {
 /// On a tilted plane the rotary axes are the control's: what the errors leave of the tool's direction stays.
 void Comparison::note_direction(const Motion& original) {
   const bool on_plane = original_.frames().placement.kind == Placement::Kind::plane && original_.tcp();
-  if (!on_plane || !original.feeds()) return;
+  if (!on_plane || (!original.feeds() && original.kind != MotionKind::cycle)) return;
   const Vec3 meant = model_.nominal_pose(original.end.at).tool_axis;
   const Vec3 is = model_.actual_pose(original.end.at, nullptr).tool_axis;
   const double angle = std::atan2(meant.cross(is).norm(), meant.dot(is));

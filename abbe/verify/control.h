@@ -186,6 +186,7 @@ class Control {
   std::map<int, double> radii_;     ///< of cutters, by the number of a D or a tool
   std::optional<int> edge_number_;  ///< D that was said last, where it is the edge of a tool
   CutterUse cutter_;
+  int cutter_code_ = 0;  ///< that switched it on
   std::optional<int> tool_, selected_;
   bool tool_change_keeps_place_;
   Position u_, m_;        ///< program position + g92, and axis commands

@@ -37,6 +37,12 @@ bool Control::switch_cutter(int code) {
     return refuse(block_->g_column[7], "E-CUTCOM", std::move(message), why, fix);
   };
   Letters words = 0;
+  const bool stays = profile_.text.conversational && code == cutter_code_ &&
+                     (cutter_.phase == Phase::begins || cutter_.phase == Phase::on);
+  if (stays) {  // RL in every block says nothing new
+    add(EventKind::g_code, code);
+    return true;
+  }
   if (code == kOff) {
     if (cutter_.phase == Phase::on) cutter_.phase = Phase::ends;
     if (cutter_.phase == Phase::begins) cutter_ = {};
@@ -61,6 +67,7 @@ bool Control::switch_cutter(int code) {
                  "give --radius D3=5.0, or D in the tool table");
     const bool left = code == kLeft || code == kLeftDirect;
     cutter_ = {Phase::begins, left ? *radius : -*radius};
+    cutter_code_ = code;
   }
   add(EventKind::g_code, code, words);
   return true;

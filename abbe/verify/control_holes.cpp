@@ -23,6 +23,9 @@ bool Control::define_hole() {
     hole_words_.cycle = block_->hole.cycle;
     hole_words_.count = 0;
   }
+  if (hole_words_.cycle != block_->hole.cycle)
+    return refuse(1, "E-CYCLE", "a line of a cycle that does not follow its first one",
+                  "the control takes its lines together", "write all of them, from .0 on");
   for (int i = 0; i < block_->hole.count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     if (!hole_words_.take(block_->hole.name[k], block_->hole.value[k]))
@@ -88,9 +91,9 @@ bool Control::may_drill(int call) {
   for (int i = 0; i < b.extra_count; ++i) late = late || b.extras[static_cast<std::size_t>(i)].after;
   if (late)
     return bad("E-AUX", "a call beside a code that acts behind the motion", "their order is not sure");
-  if (frames_.placement.on())
-    return bad("E-CYCLE", "a cycle in a tilted plane", "its axis is none of the machine");
-  if (tcp_) return bad("E-TCP", "a cycle while the tip is controlled", "its axis is not sure");
+  if (frames_.placement.on() && !on_plane_)
+    return bad("E-CYCLE", "a cycle on a plane where the tool does not stand yet", "its axis is not sure");
+  if (tcp_ && !on_plane_) return bad("E-TCP", "a cycle while the tip is controlled", "its axis is not sure");
   const bool always = drills_always_ || call != 99;
   const bool sideways = moves_ && motion_.kind == MotionKind::rapid && (motion_.named & 3u) != 0;
   if (always && !sideways)
@@ -110,18 +113,21 @@ bool Control::drill() {
   if (!place) return refuse(1, "E-CYCLE", fault, "where the tool goes is not sure", "complete the cycle");
   drills_always_ = call == kCallAlways || (drills_always_ && call < 0);
   if (moves_) motion_.to_hole = motion_.kind == MotionKind::rapid;
+  motion_.with_height = place->from_tool;
 
   drills_ = true;
   hole_ = Motion{};
   hole_.kind = MotionKind::cycle;
   hole_.code = 10 * hole_words_.cycle;
   hole_.start = m_;
+  hole_.tcp = tcp_;
   hole_.turns_start = hole_.turns_end = turns_;
   hole_.feed_mode = feed_mode_;
   hole_.feed = feed_;
+  const double zero = place->from_tool ? u_.at.z() : frames_.g92.z();
   const auto at_height = [&](double height) {
     Vec3 u = u_.at;
-    u.z() = height * unit_ + frames_.g92.z();
+    u.z() = height * unit_ + zero;
     return Position{u, kAllAxes};
   };
   Cycle& cycle = hole_.cycle;
@@ -132,6 +138,7 @@ bool Control::drill() {
   m_ = machine_of(frames_, u_);
   cycle.clear = m_.at;
   cycle.reach = place->reach * unit_;
+  cycle.aside_axes = {vector_of(frames_, Vec3::UnitX()), vector_of(frames_, Vec3::UnitY())};
   cycle.words = &hole_words_;
   hole_.end = m_;
   return true;

@@ -1,5 +1,6 @@
 // Drilling cycles as TNC controls run them: at rapid to Q203 + Q200, down to Q203 + Q201, back, and on to
-// Q203 + Q204 if that is higher.
+// Q203 + Q204 if that is higher. The older cycles drill from where the tool stands: the surface is one set-up
+// clearance below it.
 #include "abbe/verify/hole_words.h"
 
 #include <fmt/format.h>
@@ -9,6 +10,9 @@
 namespace abbe::verifying {
 namespace {
 
+constexpr std::int16_t kOf1[] = {1, 2, 3, 4, 5};  // set-up, depth, pecking depth, dwell, feed
+constexpr std::int16_t kOf2[] = {1, 2, 3, 4};     // set-up, depth, dwell, feed
+constexpr std::int16_t kOf17[] = {1, 2, 3};       // set-up, depth, pitch
 constexpr std::int16_t kOf200[] = {200, 201, 202, 203, 204, 206, 210, 211, 395};
 constexpr std::int16_t kOf201[] = {200, 201, 203, 204, 206, 208, 211};
 constexpr std::int16_t kOf202[] = {200, 201, 203, 204, 206, 208, 211, 214, 336};
@@ -38,6 +42,12 @@ bool HoleWords::take(int q, double number) {
 
 std::span<const std::int16_t> known_words(int cycle) {
   switch (cycle) {
+    case 1:
+      return kOf1;
+    case 2:
+      return kOf2;
+    case 17:
+      return kOf17;
     case 200:
       return kOf200;
     case 201:
@@ -63,7 +73,31 @@ std::span<const std::int16_t> known_words(int cycle) {
   }
 }
 
+namespace {
+
+/// Of cycles 1, 2 and 17: every line must be there.
+std::optional<HolePlace> place_from_tool(const HoleWords& words, std::string& fault) {
+  const auto known = known_words(words.cycle);
+  if (words.count != static_cast<int>(known.size())) {
+    fault = fmt::format("cycle {} lacks one of its {} lines", words.cycle, known.size());
+    return std::nullopt;
+  }
+  const auto line = [&](int number) { return words.find(number).value_or(0); };
+  const double set_up = line(1), depth = line(2);
+  const int feed = words.cycle == 1 ? 5 : 4, dwell = feed - 1;
+  const bool cuts = words.cycle == 17 ? line(3) != 0 : line(feed) > 0 && line(dwell) >= 0;
+  const bool pecks = words.cycle != 1 || line(3) > 0;
+  if (!(set_up >= 0) || !(depth < 0) || !cuts || !pecks) {
+    fault = fmt::format("a clearance, depth, feed or pitch of cycle {} leaves its motion open", words.cycle);
+    return std::nullopt;
+  }
+  return HolePlace{-set_up, depth - set_up, 0, 0, true};
+}
+
+}  // namespace
+
 std::optional<HolePlace> place_of(const HoleWords& words, std::string& fault) {
+  if (of_lines(words.cycle)) return place_from_tool(words, fault);
   bool complete = true;
   const auto need = [&](int q) {
     const auto found = words.find(q);

@@ -8,8 +8,9 @@
 
 namespace abbe::verifying {
 
-/// A drilling cycle of a conversational program (CYCL DEF 200 to 209) as its Q words say it: what the control
-/// remembers until it is called. Written apart from the rewriter's.
+/// A drilling cycle of a conversational program as its Q words say it (CYCL DEF 200 to 209), or its lines (1, 2,
+/// 17; line 1.3 has the name 3): what the control remembers until it is called. Written apart from the
+/// rewriter's.
 struct HoleWords {
   static constexpr int kMost = 20;
   static constexpr double kFeedOfProgram = -1, kRapid = -2;  ///< feeds that are words: FAUTO, FMAX
@@ -26,12 +27,16 @@ struct HoleWords {
 /// The place of the surface: what may differ between an original and its output.
 inline constexpr int kSurfaceQ = 203;
 
-/// The words that cycle 200 .. 209 may have; empty: the cycle is not known.
+/// A cycle whose values stand in lines of their own. It begins and ends where the tool stands.
+[[nodiscard]] constexpr bool of_lines(int cycle) { return cycle == 1 || cycle == 2 || cycle == 17; }
+
+/// The words that a cycle may have; empty: the cycle is not known.
 [[nodiscard]] std::span<const std::int16_t> known_words(int cycle);
 
-/// Heights and reach of a hole, program units.
+/// Heights and reach of a hole, program units. `from_tool`: heights count from where the tool stands.
 struct HolePlace {
   double retract = 0, bottom = 0, clear = 0, reach = 0;
+  bool from_tool = false;
 };
 /// errors   nothing, `fault` says why: a word is missing, or its value leaves the motion to the control
 [[nodiscard]] std::optional<HolePlace> place_of(const HoleWords& words, std::string& fault);

@@ -308,7 +308,7 @@ class KlartextScanner : public WordTaker {
     return true;
   }
 
-  /// R0, F, FMAX (of L), F AUTO, S, M from item i on.
+  /// R0, RL, RR, F, FMAX (of L), F AUTO, S, M from item i on.
   bool functions(std::size_t i, bool may_be_rapid = false) {
     int feeds = 0;
     for (; i < count_; ++i) {
@@ -318,6 +318,8 @@ class KlartextScanner : public WordTaker {
         return bad(said, "E-FEED", "two feeds in a block", "it is not defined which one holds", "keep one");
       if (said == "R0") {
         if (!g_word(40, column(said))) return false;
+      } else if (said == "RL" || said == "RR") {
+        if (!g_word(said[1] == 'L' ? 41 : 42, column(said))) return false;
       } else if (said == "FMAX" && may_be_rapid) {
         continue;
       } else if (said == "FMAX") {
@@ -455,6 +457,9 @@ class KlartextScanner : public WordTaker {
                  "post without it");
     const Meaning meaning = profile_.g[word->index].meaning;
     if (meaning == Meaning::unknown) return keyword(*word, whole_, column(items_[0]));
+    const int of_parts =
+        meaning == Meaning::hole_cycle && cycle.size() < 3 ? std::stoi(std::string(cycle)) : 0;
+    if (of_lines(of_parts) && part != "-") return hole_line(of_parts, part[0] - '0');
     if (meaning == Meaning::hole_cycle && (part != "-" || !is_hole(cycle)))
       return bad(items_[0], "E-CYCLE", "a drilling cycle in another form", "where it drills is not known",
                  "write CYCL DEF and its Q words");
@@ -485,6 +490,31 @@ class KlartextScanner : public WordTaker {
 
   bool lacks_preset(std::string_view at) {
     return bad(at, "E-WCS", "CYCL DEF 247 says no preset", "the frame is not known", "write Q339=+1");
+  }
+
+  /// "CYCL DEF 1.0 PECKING", "CYCL DEF 1.1 SET UP 2": the number at the end, behind a name in any language.
+  bool hole_line(int cycle, int number_of_line) {
+    block_.hole.cycle = cycle;
+    block_.hole_begins = number_of_line == 0;
+    if (block_.hole_begins) return keep_text(whole_);
+    const auto known = known_words(cycle);
+    if (std::find(known.begin(), known.end(), number_of_line) == known.end())
+      return bad(items_[0], "E-CYCLE", fmt::format("cycle {} has no line {}", cycle, number_of_line),
+                 "what it changes is not known", "write the lines of the cycle");
+    std::string_view last = count_ > 3 ? items_[count_ - 1] : std::string_view();
+    const auto digits = last.find_first_of("+-0123456789");
+    const std::string_view name = last.substr(0, digits);
+    const auto strange = [](std::string_view said) {
+      return said.find_first_not_of("ABCDEFGHIJKLMNOPRSTUVWXYZ.") != std::string_view::npos;
+    };
+    bool variable =
+        digits == std::string_view::npos || strange(name) || (!name.empty() && name.back() == '.');
+    for (std::size_t i = 3; i + 1 < count_; ++i) variable = variable || strange(items_[i]);
+    double value = 0;
+    if (variable)
+      return bad(items_[0], "E-EXPR", "a line of a cycle that does not end with a literal number",
+                 "its value is known only to the control", "post literal numbers");
+    return number(last.substr(digits), last, value) && block_.hole.take(number_of_line, value);
   }
 
   /// "Q200=+2 Q201 = -10,5": one name and value after the other, wherever blanks stand.

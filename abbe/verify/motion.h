@@ -43,10 +43,11 @@ struct Cycle {
   Vec3 bottom = Vec3::Zero();   ///< first hole at its bottom
   Vec3 clear = Vec3::Zero();    ///< first hole at the level where the cycle ends
   Vec3 step = Vec3::Zero();
-  double dwell = 0;                  ///< P, s
-  double peck = 0;                   ///< Q, mm
-  double aside = 0;                  ///< Q of a fine bore, mm
-  double reach = 0;                  ///< how far the tool goes to the side of the hole's axis, mm
+  double dwell = 0;  ///< P, s
+  double peck = 0;   ///< Q, mm
+  double aside = 0;  ///< Q of a fine bore, mm
+  double reach = 0;  ///< how far the tool goes to the side of the hole's axis, mm
+  std::array<Vec3, 2> aside_axes{Vec3::UnitX(), Vec3::UnitY()};  ///< to which sides: X, Y of the frame
   const HoleWords* words = nullptr;  ///< of CYCL DEF 200 .. 209; valid until the next block is read
 };
 
@@ -65,6 +66,7 @@ struct Motion {
                                ///< CYCL DEF 2000 .. 2090
   bool machine_words = false;  ///< G53: the words are axis commands
   bool to_hole = false;        ///< a rapid at whose end a cycle runs: the hole judges X and Y
+  bool with_height = false;    ///< and Z, too
   bool incremental = false;    ///< G91
   Axes named = 0;              ///< axes with a word in the block
   Vec3 words = Vec3::Zero();   ///< their values, mm, as written

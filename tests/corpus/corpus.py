@@ -62,6 +62,7 @@ HOW = {
     "cldata/manufacture3-top.apt": [("cl", "XYZ", [])],
     "cldata/RotateThick.apt": [("cl", "XYZ/4", [])],
     "cldata/Top-light-cover/Top-light-cover.apt": [("cl", "XYZ/4", [])],
+    "cldata/Top-light-cover/expected/11.h": [("heidenhain", "XYZ/4", [])],
     "cldata/Teste-Metrologia/Teste-Metrologia.apt": [("cl", "XYZBC/4", [])],
     "cldata/shimemcunha/shimemcunha.apt": [("cl", "XYZBC/4", [])],
 }
