@@ -80,6 +80,24 @@ TEST(Lane, ALineThatIsTooFarOffIsRefusedAsAlone) {
   }
 }
 
+TEST(Lane, LongNumbersGoTheGeneralWay) {
+  Machine machine = five_axes();
+  for (auto& body : machine.bodies) body.range.reset();
+  std::string program = "G21 G90 G17 G54 G94\nG0 X0 Y10 Z20 A30 C0\nG1 X1 Y10 Z20 A30.5 C0.5 F2000\n";
+  for (int i = 0; i < 60; ++i)
+    program += "X" + std::to_string(2 + 0.5 * i) + " A" + std::to_string(31 + 0.1 * i) + " C0.123456789012" +
+               (i % 2 == 0 ? "3\n" : "\n");
+  for (const char* last : {"X99999999999999 A40 C9\n", "X30 A40 C99999999999999.9\n",
+                           "X30.00000000001 A40 C9\n", "X30 A-999999999999999 C9\n"}) {
+    RewriteJob job = testing::plain_job();
+    const Rewritten together = rewrite(machine, program + last + last + "M2\n", job);
+    job.one_by_one = true;
+    const Rewritten alone = rewrite(machine, program + last + last + "M2\n", job);
+    EXPECT_EQ(together.text, alone.text) << last;
+    EXPECT_EQ(together.findings(), alone.findings()) << last;
+  }
+}
+
 TEST(TurningPacket, PlacesAreThoseOfTheField) {
   const Machine machine = five_axes();
   const Plan plan = std::get<Plan>(make_plan(machine, {}));

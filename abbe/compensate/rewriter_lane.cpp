@@ -26,6 +26,9 @@ constexpr int kMostDecimals = 9;
 // Of a digit: a tie is not written again (Rewriter::half_digit), and arithmetic leaves this much.
 constexpr double kTie = 1e-6, kArithmetic = 2e-6;
 
+// Larger numbers, in units of the last digit, go the general way, too.
+constexpr double kMostUnits = 1e15;
+
 double units_per(int decimals) { return number_detail::kPower10[static_cast<std::size_t>(decimals)]; }
 
 /// A number to be written or left as it stands, in units of its last digit.
@@ -41,6 +44,7 @@ Digits digits_for(double change, double wanted) {
 /// The same decision would be made of numbers that are off by `doubt`.
 bool surely(const Digits& digits, double change, double wanted, double doubt) {
   const double room = doubt + kArithmetic;
+  if (!(std::abs(wanted) < kMostUnits)) return false;
   return digits.stays ? std::abs(change) + room < 0.5
                       : std::abs(change) - room > 0.5 && std::abs(wanted - digits.n) + room < 0.5;
 }
@@ -136,6 +140,8 @@ void Rewriter::choose_turns(std::size_t i, const Turns& offsets) {
     double& stand = packet_.stand(i, j);
     const double units = units_per(decimals), change = (stand - ahead.turns[k]) * kDegrees;
     const Digits digits = digits_for(change * units, (word.value + change) * units);
+    ahead.sure = std::abs(digits.n) < kMostUnits;
+    if (!ahead.sure) return;
     FixedNumber& spelled = ahead.spelled[3 + k];
     spelled = fixed_number(digits.n, decimals);
     ahead.turn_stays[j] = digits.stays;

@@ -18,9 +18,8 @@ constexpr std::size_t kNativeLanes = 4;
 constexpr std::size_t kNativeLanes = 2;
 #endif
 typedef double Native __attribute__((vector_size(8 * kNativeLanes)));
-/// Poses side by side in a batch. With AVX-512, too, four: its 32 registers then hold a whole walk, and four
-/// neighbours of a path are more often in one segment than eight.
-typedef double Packet __attribute__((vector_size(kNativeLanes > 4 ? 64 : kNativeLanes > 2 ? 32 : 16)));
+/// Poses side by side in a batch.
+typedef Native Packet;
 /// Registers that hold the six components of a row.
 constexpr std::size_t kNatives = (kComponents + kNativeLanes - 1) / kNativeLanes;
 
