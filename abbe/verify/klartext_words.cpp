@@ -479,6 +479,9 @@ class KlartextScanner : public WordTaker {
           i < count_ ? static_cast<std::size_t>(items_[i].data() - whole_.data()) : whole_.size();
       return hole_words(200 + (cycle[2] - '0'), whole_.substr(from));
     }
+    if (part == "1" && (meaning == Meaning::datum_turn || meaning == Meaning::datum_mirror ||
+                        meaning == Meaning::datum_scale || meaning == Meaning::datum_scale_evenly))
+      return datum_frame(*word, meaning);
     std::size_t i = 3;
     if (!coordinates(i, "XYZ")) return false;
     const bool one = block_.words != 0 && (block_.words & (block_.words - 1)) == 0;
@@ -486,6 +489,33 @@ class KlartextScanner : public WordTaker {
       return bad(items_[0], "E-FRAME", "a datum shift of another form", "the frame is not known",
                  "shift one axis a line, by a number");
     return keyword(*word, "", column(items_[0]));
+  }
+
+  /// "ROT+35" of 10.1, "X Y" of 8.1, "X1.4 CCX+15" of 26.1, "SCL0.995" of 11.1.
+  bool datum_frame(const Profile::Keyword& word, Meaning meaning) {
+    const bool mirrors = meaning == Meaning::datum_mirror, each = meaning == Meaning::datum_scale;
+    const auto form = [&] {
+      return bad(items_[0], "E-FRAME", "a frame of another form", "the frame is not known",
+                 "write 10.1 ROT, 8.1 X Y, 26.1 X Y Z CCX CCY or 11.1 SCL");
+    };
+    std::size_t i = 3;
+    for (; i < count_; ++i) {
+      const std::string_view said = items_[i];
+      const auto digits = std::min(said.size(), said.find_first_of("+-.,0123456789"));
+      const std::string_view name = said.substr(0, digits);
+      const bool axis = name == "X" || name == "Y" || (name == "Z" && each);
+      const bool centre = name == "CCX" || name == "CCY" || name == "CCZ";
+      const bool single = i == 3 && (meaning == Meaning::datum_turn ? name == "ROT" : name == "SCL");
+      if (mirrors ? !(axis && digits == said.size()) : each ? !(axis || centre) : !single) return form();
+      char letter = meaning == Meaning::datum_turn ? 'R' : 'P';
+      if (axis) letter = name[0];
+      if (centre) letter = static_cast<char>('I' + (name[2] - 'X'));
+      double value = 0;
+      if (!mirrors && !number(digits < said.size() ? said.substr(digits) : item(++i), said, value))
+        return false;
+      if (!value_word(letter, value, column(said), false)) return false;
+    }
+    return i == 3 && !mirrors ? form() : keyword(word, "", column(items_[0]));
   }
 
   bool lacks_preset(std::string_view at) {
