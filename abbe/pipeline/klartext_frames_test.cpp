@@ -204,7 +204,7 @@ class FrameWriter {
 };
 
 TEST(KlartextFrames, RandomProgramsAreVerified) {
-  const Seeds seeds = random_seeds(30);
+  const Seeds seeds = random_seeds(20);
   for (std::uint64_t seed = seeds.first; seed != seeds.end(); ++seed) {
     Random random(seed);
     const std::string machine = random_machine(random, 0.5);
@@ -219,7 +219,7 @@ TEST(KlartextFrames, RandomProgramsAreVerified) {
 }
 
 TEST(KlartextFrames, WithoutErrorsNoByteChanges) {
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Random random(seed);
     const std::string machine = random_machine(random, 0.0);
     const std::string program = FrameWriter(random).write();
@@ -239,14 +239,12 @@ TEST(KlartextFrames, AnotherFrameIsFound) {
       {"CYCL DEF 8.1 X", "CYCL DEF 8.1"},
       {"CYCL DEF 26.1 X2 Y2", "CYCL DEF 26.1 X2 Y1"},
       {"CYCL DEF 26.1 X2 Y2 CCX+5", "CYCL DEF 26.1 X2 Y2 CCY+5"}};
-  for (const auto& [from, to] : spoiled) {
+  for (const auto& change : spoiled) {
     const std::string program =
-        kHead + ("4 " + from) + "\n5 L X+10 Y+10 Z+9 FMAX\n6 L X+20 F500\n7 END PGM A MM\n";
+        kHead + ("4 " + change.first) + "\n5 L X+10 Y+10 Z+9 FMAX\n6 L X+20 F500\n7 END PGM A MM\n";
     run_program(plan, program, frame_job(), [&](const ProgramJob& job, ProgramOutcome& outcome) {
       ASSERT_EQ(outcome.end, ProgramEnd::done) << findings(outcome);
-      std::string text = slurp(job.output);
-      const TestFile output(text.replace(text.find(from), from.size(), to));
-      EXPECT_NE(verify_programs(plan, job, output.path()).end, ProgramEnd::done) << to;
+      EXPECT_NE(judge_spoiled(plan, job, change.first, change.second).end, ProgramEnd::done) << change.second;
     });
   }
 }

@@ -145,7 +145,7 @@ bool refused_for_m89(const ProgramRun& run) {
 }
 
 TEST(KlartextPlanes, HolesAreVerifiedOnMachinesOfEveryStructure) {
-  const Seeds seeds = random_seeds(56);
+  const Seeds seeds = random_seeds(35);
   std::uint64_t done = 0;
   for (std::uint64_t seed = seeds.first; seed != seeds.end(); ++seed) {
     const Drawn drawn = draw(seed);
@@ -163,7 +163,7 @@ TEST(KlartextPlanes, HolesAreVerifiedOnMachinesOfEveryStructure) {
 }
 
 TEST(KlartextPlanes, AMachineWithoutErrorsChangesNoByte) {
-  for (std::uint64_t seed = 1; seed <= 21; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 14; ++seed) {
     const Drawn drawn = draw(seed, 0);
     const ProgramRun result = run(drawn.machine, drawn.program);
     ASSERT_EQ(result.outcome.end, ProgramEnd::done) << findings(result.outcome) << drawn.program;
@@ -172,7 +172,7 @@ TEST(KlartextPlanes, AMachineWithoutErrorsChangesNoByte) {
 }
 
 TEST(KlartextPlanes, OppositeErrorsAreNotVerified) {
-  for (std::uint64_t seed = 1; seed <= 14; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 7; ++seed) {
     const Drawn drawn = draw(seed);
     const ProgramRun result = run(drawn.machine, drawn.program, drawn.opposite);
     if (refused_for_m89(result)) continue;
@@ -224,19 +224,15 @@ TEST(KlartextPlanes, AHoleThatIsOffIsFound) {
   const std::string program =
       std::string(kBegin) + kOver + kDrill + "8 L X+100 Y+10 FMAX M99\n9 END PGM A MM\n";
   const Plan plan = plan_of(std::string(kHead) + kErrors);
-  for (const auto& [from, to] :
-       {std::pair{"Q203=+3.9913", "Q203=+3.9943"}, {"X+99.9850", "X+99.9820"}, {"Y+10", "Y+10.003"}}) {
-    run_program(plan, program, ideal_job(), [&](const ProgramJob& job, ProgramOutcome& outcome) {
-      ASSERT_EQ(outcome.end, ProgramEnd::done) << findings(outcome);
-      std::string text = slurp(job.output);
-      const std::size_t at = text.find(from);
-      ASSERT_NE(at, std::string::npos) << text;
-      const TestFile spoiled(text.replace(at, std::string(from).size(), to));
-      const ProgramOutcome judged = verify_programs(plan, job, spoiled.path());
+  run_program(plan, program, ideal_job(), [&](const ProgramJob& job, ProgramOutcome& outcome) {
+    ASSERT_EQ(outcome.end, ProgramEnd::done) << findings(outcome);
+    for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+             {"Q203=+3.9913", "Q203=+3.9943"}, {"X+99.9850", "X+99.9820"}, {"Y+10", "Y+10.003"}}) {
+      const ProgramOutcome judged = judge_spoiled(plan, job, from, to);
       EXPECT_EQ(judged.end, ProgramEnd::disagrees) << to;
       EXPECT_NE(findings(judged).find("V-CYCLE"), std::string::npos) << findings(judged);
-    });
-  }
+    }
+  });
 }
 
 TEST(KlartextPlanes, ACycleWhereTheToolDoesNotStandYetIsRefused) {

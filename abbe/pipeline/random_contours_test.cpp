@@ -70,7 +70,7 @@ TEST(RandomContours, ZeroErrorsChangeNoByte) {
 // RL and RR of conversational programs; the wear alone where the radius is 0.
 TEST(RandomContours, OfKlartextAreVerifiedOnRandomMachines) {
   std::uint64_t done = 0;
-  const Seeds seeds = random_seeds(80);
+  const Seeds seeds = random_seeds(40);
   for (std::uint64_t seed = seeds.first; seed != seeds.end(); ++seed) {
     Random random(seed);
     const bool worn_only = seed % 3 == 0;
@@ -96,7 +96,7 @@ TEST(RandomContours, OfKlartextAreVerifiedOnRandomMachines) {
 }
 
 TEST(RandomContours, OfKlartextWithZeroErrorsChangeNoByte) {
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Random random(seed);
     const std::string machine = random_machine(random, 0.0);
     const std::string program = RandomContour(random, {1, 10}, false, Language::klartext).write(false);
