@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "abbe/chain/control_kinematics.h"
 #include "abbe/machine/read_profile.h"
 #include "abbe/pipeline/test_five_axis_machine.h"
 #include "abbe/pipeline/test_run_program.h"
@@ -23,10 +22,7 @@ using namespace testing;
 class PlaneWriter {
  public:
   PlaneWriter(Random& random, const Structure& structure, const Plan& plan)
-      : random_(random),
-        structure_(structure),
-        kinematics_(plan.machine(), addressed_axes(plan.machine())),
-        tool_(tool_of(plan.machine())) {}
+      : random_(random), structure_(structure), plan_(plan) {}
 
   std::string write() {
     std::string text = "BEGIN PGM PLANES MM\nTOOL CALL 1 Z S1000\n";
@@ -40,11 +36,7 @@ class PlaneWriter {
 
   /// Rz(c) Ry(b) Rx(a) e_z = n:  a = asin(-n'y), b = atan2(n'x, n'z) with n' = Rz(-c) n, for any c.
   std::string plane() {
-    const double tilt = rounded(random_.between(-60, 60)), turn = rounded(random_.between(-170, 170));
-    Turns turns{};
-    turns[static_cast<std::size_t>(structure_.tilt - 'A')] = tilt * deg;
-    turns[static_cast<std::size_t>(structure_.turn - 'A')] = turn * deg;
-    const Vec3 n = kinematics_.pose(Vec3::Zero(), turns, tool_).tool_axis;
+    const auto [tilt, turn, n] = draw_stance(random_, structure_, plan_);
     const double c = rounded(random_.between(-180, 180)) * deg;
     const double x = std::cos(c) * n.x() + std::sin(c) * n.y(),
                  y = -std::sin(c) * n.x() + std::cos(c) * n.y();
@@ -103,8 +95,7 @@ class PlaneWriter {
 
   Random& random_;
   Structure structure_;
-  ControlKinematics kinematics_;
-  Tool tool_;
+  const Plan& plan_;
 };
 
 const std::string kControl = "[control]\nmode = \"axis\"\n";
@@ -180,14 +171,9 @@ TEST(KlartextPlanes, OppositeErrorsAreNotVerified) {
   }
 }
 
-constexpr const char* kHead = R"(format = 1
-[machine]
-chain = "w b X Y Z B t"
-[axis.B]
-direction = [0, 1, 0]
-[tool]
-length = 100
-)";
+constexpr const char* kHead =
+    "format = 1\n[machine]\nchain = \"w b X Y Z B t\"\n[axis.B]\ndirection = [0, 1, 0]\n[tool]\nlength = "
+    "100\n";
 constexpr const char* kErrors = "[control]\nmode = \"axis\"\n[errors]\nEXX = { poly = [0, 0.2] }\n";
 constexpr const char* kBegin =
     "0 BEGIN PGM A MM\n1 TOOL CALL 1 Z S3000\n2 L X+0 Y+0 Z+50 B+0 R0 FMAX M3\n"
