@@ -7,6 +7,7 @@
 #include "abbe/compensate/line_split.h"
 #include "abbe/compensate/rewrite_fixture.h"
 #include "abbe/core/number.h"
+#include "abbe/machine/read_profile.h"
 
 namespace abbe {
 namespace {
@@ -91,6 +92,18 @@ TEST(BlockTime, InchesAndFeedPerTurn) {
   ASSERT_TRUE(turns.report.complete) << turns.findings();
   EXPECT_EQ(turns.report.shortest_split_time, 0);
   EXPECT_GT(turns.report.blocks.split, 0U);
+}
+
+// F of a conversational program in inches counts tenths of an inch per minute: F24000 goes 4 inches in 100 ms.
+TEST(BlockTime, TenthsOfAnInchInKlartext) {
+  RewriteJob job = timed_job(0.060);
+  job.setup.profile = embedded_profile("heidenhain");
+  const std::string begin = "0 BEGIN PGM A INCH\n1 L X+0 Y+0 Z+0 FMAX\n2 L X+4 F";
+  const auto fast = rewrite(sagging_machine(), begin + "24000\n3 END PGM A INCH\n", job);
+  EXPECT_TRUE(fast.has("E-TOL")) << fast.findings();
+  const auto slow = rewrite(sagging_machine(), begin + "2400\n3 END PGM A INCH\n", job);
+  ASSERT_TRUE(slow.report.complete) << slow.findings();
+  EXPECT_NEAR(slow.report.shortest_split_time, slow.report.shortest_split / 101.6, 1e-9);
 }
 
 /// An arc of 157 mm in 100 ms.

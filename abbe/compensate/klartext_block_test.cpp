@@ -54,6 +54,12 @@ TEST(KlartextBlock, OtherBlocksAreUnderstood) {
   EXPECT_EQ(words_of("3 TOOL CALL 0 Z"), "T0 M6 G49");
   EXPECT_EQ(words_of("3 TOOL CALL Z S3000"), "S3000");
   EXPECT_EQ(words_of("8 CYCL DEF 7.1 X+5,5"), "CYCL7 X5.5");
+  EXPECT_EQ(words_of("8 CYCL DEF 10.0 ROTATION"), "");
+  EXPECT_EQ(words_of("8 CYCL DEF 10.1 ROT+35,5"), "CYCL10 R35.5");
+  EXPECT_EQ(words_of("8 CYCL DEF 8.1 X Y"), "CYCL8 X0 Y0");
+  EXPECT_EQ(words_of("8 CYCL DEF 8.1"), "CYCL8");
+  EXPECT_EQ(words_of("8 CYCL DEF 26.1 X1.5 Z2 CCX+10 CCY-5"), "CYCL26 X1.5 Z2 I10 J-5");
+  EXPECT_EQ(words_of("8 CYCL DEF 11.1 SCL0.995"), "CYCL11 P0.995");
   EXPECT_EQ(words_of("8 CYCL DEF 32.1 T0.05"), "CYCL32");
   EXPECT_EQ(words_of("8 CYCL DEF 247 PRESET Q339=+4 ;ROW"), "CYCL247 P4");
   EXPECT_EQ(words_of("8 STOP M5"), "M0 M5");
@@ -91,7 +97,8 @@ TEST(KlartextBlock, WhatMayMoveOtherwiseIsRefused) {
                                                                     {"CYCL CALL PAT", "E-GCODE"},
                                                                     {"CYCL DEF 7.1 #5", "E-FRAME"},
                                                                     {"CYCL DEF 7.1 IX+5", "E-FRAME"},
-                                                                    {"CYCL DEF 10.0 DREHUNG", "E-FRAME"},
+                                                                    {"CYCL DEF 10.1 IROT+5", "E-FRAME"},
+                                                                    {"CYCL DEF 19.0 PLANE", "E-FRAME"},
                                                                     {"PLANE VECTOR STAY", "E-PLANE"},
                                                                     {"CYCL DEF 4711", "E-CYCLE"},
                                                                     {"CALL LBL 1 REP 2", "E-OWORD"},

@@ -161,9 +161,18 @@ class Rewriter {
   bool mirror_frame(bool on);
   bool end_stretch();
   std::optional<double> scale_factor(const Word& word);
+  void turn_about(const Vec3& centre, double angle);
   [[nodiscard]] bool may_place() const;
   void place(const Mat3& matrix, const Vec3& at);
   void leave_place();
+
+  // rewriter_datum.cpp: the same in conversational programs
+  bool datum_turn();
+  bool datum_mirror();
+  bool datum_scale();
+  std::optional<Vec3> stated_factors();
+  // Beyond these a scale is more likely a wrong unit.
+  static constexpr double kSmallestScale = 0.01, kLargestScale = 100;
 
   // rewriter_plane.cpp: tilted planes
   bool tilt_plane();
@@ -454,6 +463,7 @@ class Rewriter {
   bool turned_by_words_ = false;                ///< the program turns the rotary axes to the plane itself
   FrameChange frame_kind_ = FrameChange::none;  ///< scale or mirror, while one is in force
   Vec3 mirror_at_ = Vec3::Zero();
+  bool scaled_evenly_ = false;  ///< by one factor for all (CYCL DEF 11)
   bool tcp_ = false;
   double timed_feed_ = 0;  ///< 1/min: the block's time is stated by G93 in its output; 0: not
   AddressedAxes axes_;

@@ -8,12 +8,6 @@
 #include "abbe/core/units.h"
 
 namespace abbe {
-namespace {
-
-// Beyond these a scale is more likely a wrong unit.
-constexpr double kSmallestScale = 0.01, kLargestScale = 100;
-
-}  // namespace
 
 // Coordinates mean something else from here on: these axes are known when the program commands them again.
 void Rewriter::forget(unsigned axes) {
@@ -49,6 +43,12 @@ bool Rewriter::change_frame() {
       return scale_frame();
     case FrameChange::mirror:
       return mirror_frame(true);
+    case FrameChange::datum_turn:
+      return datum_turn();
+    case FrameChange::datum_mirror:
+      return datum_mirror();
+    case FrameChange::datum_scale:
+      return datum_scale();
   }
   return true;
 }
@@ -238,9 +238,14 @@ bool Rewriter::turn_frame() {
     return false;
   }
   const Vec3 centre = on ? Vec3(x->value * modal_.unit(), y->value * modal_.unit(), 0) : Vec3::Zero();
-  for (auto* side : {&in_, &out_}) side->frames.turn(centre, on ? r->value * deg : 0.0);
-  forget(3);
+  turn_about(centre, on ? r->value * deg : 0.0);
   return true;
+}
+
+void Rewriter::turn_about(const Vec3& centre, double angle) {
+  for (auto* side : {&in_, &out_}) side->frames.turn(centre, angle);
+  drop_pole();
+  forget(3);
 }
 
 }  // namespace abbe

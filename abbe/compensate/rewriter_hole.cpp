@@ -15,6 +15,7 @@ namespace abbe {
 namespace {
 
 constexpr int kOnce = 1, kFromHereOn = 2;
+constexpr int kBoring = 202, kBackBoring = 204;
 // A definition may be followed by so much before it is called the first time, bytes.
 constexpr std::size_t kMostHeld = std::size_t{1} << 16;
 constexpr double kNoShift = 1e-9;  // mm: rounding of a correction that is none
@@ -143,7 +144,16 @@ bool Rewriter::call_allowed(bool moves) {
     return bad("E-CYCLE", "a cycle is called beside an arc or M91", "where the hole is, is not sure",
                "call it beside L X.. Y.. FMAX");
   const bool on_plane = plane_ == PlaneStage::stands;
-  if (in_.frames.placed() && !on_plane)
+  if (frame_kind_ == FrameChange::scale)
+    return bad("E-CYCLE", "a cycle is called while a scale is in force",
+               "which of its numbers are scaled is not sure",
+               "post the holes as L blocks, or scale in the CAM system");
+  const int cycle = hole_.definition.cycle;
+  if (frame_kind_ == FrameChange::mirror && (cycle == kBoring || cycle == kBackBoring))
+    return bad("E-CYCLE", "a bore is called in a mirrored frame",
+               "to which side the tool is moved away is not sure",
+               "post the hole as L blocks, or mirror in the CAM system");
+  if (plane_ != PlaneStage::none && !on_plane)
     return bad("E-CYCLE", "a cycle is called on a plane before X, Y and Z have been commanded there",
                "where the hole is, is not known", "go over the hole first: L X.. Y.. FMAX, L Z.. FMAX");
   if ((tcp_ && !on_plane) || instruction_.tcp == 1)

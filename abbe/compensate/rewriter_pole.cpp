@@ -91,14 +91,15 @@ std::optional<bool> Rewriter::leaves_plane(const Arc& nominal, double height) {
     const Vec3 at = in_.frames.to_machine(nominal.at(static_cast<double>(k) / looks));
     const auto c = correction_at(at, withheld_, approach_);
     if (!c) return std::nullopt;
-    if (std::abs(out_.frames.to_program(at + *c).z() - height) > kAcross * interpolation_) return true;
+    const double off = std::abs(out_.frames.to_program(at + *c).z() - height);
+    if (off * in_.frames.stretch() > kAcross * interpolation_) return true;
   }
   return false;
 }
 
-// The arc as lines, whose middle is off by r (1 - cos(sweep / 2 n)).
+// The arc as lines, whose middle is off by r (1 - cos(sweep / 2 n)), r as on the machine.
 bool Rewriter::chords(const Arc& nominal, std::string& out, Vec3& p_out) {
-  const double r = std::max(nominal.r0, nominal.r1);
+  const double r = std::max(nominal.r0, nominal.r1) * in_.frames.stretch();
   const double step = 2 * std::acos(std::max(0.0, 1 - interpolation_ / r));
   const double count = std::ceil(std::abs(nominal.sweep) / step);
   if (!(count <= kMostChords)) {

@@ -9,7 +9,8 @@
 namespace abbe {
 
 // The least time that the feed motion can take: T = length / F, of turning axes alone angle / F (deg), in
-// inverse time 60 s / F. With G95 the spindle decides it: not known.
+// inverse time 60 s / F. With G95 the spindle decides it: not known. A conversational program in inches counts
+// its F in tenths of an inch; whether of degrees, too, is not sure, so the shorter time is taken there.
 void Rewriter::measure_split(double length, double angle) {
   splitting_ = {length, 0, 0};
   const Word* f = instruction_.find(*block_, 'F');
@@ -17,7 +18,8 @@ void Rewriter::measure_split(double length, double angle) {
   if (modal_.feed_mode == 930 && f != nullptr && f->value > 0) {
     splitting_.time = 60 / f->value;
   } else if (modal_.feed_mode == 940 && modal_.has_feed && modal_.feed > 0) {
-    splitting_.time = 60 * way / modal_.feed;
+    const double counted = profile_.text.conversational && modal_.inch && length > 0 ? 0.1 : 1;
+    splitting_.time = 60 * way / (counted * modal_.feed);
   }
   if (job_.block_time > 0 && splitting_.time > 0)
     splitting_.least = std::min(1.0, job_.block_time / splitting_.time);

@@ -108,6 +108,11 @@ enum class Meaning : std::uint8_t {
   spatial_plane,
   plane_off,
   swivel_plane,
+  // cycles 10, 8, 26 and 11 of conversational programs: about the datum
+  datum_turn,
+  datum_mirror,
+  datum_scale,
+  datum_scale_evenly,
   tcp_on,
   tcp_off,
   // M codes
@@ -186,6 +191,9 @@ struct Profile {
     /// What a scale factor without a point counts: a thousandth, a hundred-thousandth; `ask` refuses it.
     enum class Scale : std::uint8_t { thousandths, hundred_thousandths, ask };
     Scale scale_words = Scale::ask;
+    /// What one factor for all (CYCL DEF 11) scales: X and Y, or Z, too; `ask` refuses it.
+    enum class ScaleAxes : std::uint8_t { plane, space, ask };
+    ScaleAxes scale_axes = ScaleAxes::ask;
     bool finer = true;  ///< words with more decimals are read as they stand; else refused (E-DIGITS)
   } numbers;
 

@@ -66,6 +66,7 @@ extends = "fanuc"
 [numbers]
 integer_words = "increments"
 scale_words = "thousandths"
+scale_axes = "plane"
 decimals = { mm = 4 }
 [codes]
 M251 = "auxiliary"
@@ -82,6 +83,7 @@ fix = "leave it out"
   EXPECT_EQ(parsed.value->numbers.integer_words, Profile::IntegerWords::increments);
   EXPECT_EQ(parsed.value->numbers.decimals_mm, 4);
   EXPECT_EQ(parsed.value->numbers.scale_words, Profile::Numbers::Scale::thousandths);
+  EXPECT_EQ(parsed.value->numbers.scale_axes, Profile::Numbers::ScaleAxes::plane);
   EXPECT_EQ(parsed.value->numbers.decimals_inch, 4) << "of fanuc";
   EXPECT_EQ(use_of(*parsed.value, "M251").meaning, Meaning::auxiliary);
   EXPECT_EQ(use_of(*parsed.value, "G5.1").meaning, Meaning::unknown);

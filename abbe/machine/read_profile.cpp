@@ -21,11 +21,13 @@ const std::vector<std::string> kTables{"format",  "title", "about",  "sources", 
 
 void read_numbers(const TomlNode& root, Profile& profile, Findings& findings) {
   const Section section(root, "numbers",
-                        {"integer_words", "decimals", "digits", "finer_words", "scale_words"}, findings);
+                        {"integer_words", "decimals", "digits", "finer_words", "scale_words", "scale_axes"},
+                        findings);
   Profile::Numbers& numbers = profile.numbers;
   section.choice("integer_words", {"units", "increments", "ask"}, numbers.integer_words);
   section.choice("finer_words", "keep", "refuse", numbers.finer);
   section.choice("scale_words", {"thousandths", "hundred-thousandths", "ask"}, numbers.scale_words);
+  section.choice("scale_axes", {"plane", "space", "ask"}, numbers.scale_axes);
   section.whole("digits", numbers.digits, 0, 15);
   const TomlNode* decimals = section.find("decimals");
   if (decimals == nullptr || !expect_kind(*decimals, TomlNode::Kind::table, "numbers.decimals", findings))

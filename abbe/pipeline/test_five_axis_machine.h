@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <string>
 
+#include "abbe/chain/control_kinematics.h"
+#include "abbe/chain/plan.h"
 #include "abbe/core/units.h"
 #include "abbe/pipeline/test_random_machine.h"
 
@@ -58,6 +61,24 @@ inline std::string machine_text(Random& random, const Structure& structure, cons
   }
   text += fmt::format("[tool]\norigin = [0, 0, 100]\nlength = {}\n", kToolLength);
   return text + control + "[errors]\n" + errors;
+}
+
+/// Rotary positions of 0.001 deg, and the tool's direction there in workpiece axes.
+struct DrawnStance {
+  double tilt = 0, turn = 0;  ///< deg
+  Vec3 direction = Vec3::UnitZ();
+};
+inline DrawnStance draw_stance(Random& random, const Structure& structure, const Plan& plan) {
+  const auto rounded = [](double value) { return std::round(value / 0.001) * 0.001; };
+  DrawnStance stance;
+  stance.tilt = rounded(random.between(-60, 60));
+  stance.turn = rounded(random.between(-170, 170));
+  Turns turns{};
+  turns[static_cast<std::size_t>(structure.tilt - 'A')] = stance.tilt * deg;
+  turns[static_cast<std::size_t>(structure.turn - 'A')] = stance.turn * deg;
+  const ControlKinematics kinematics(plan.machine(), addressed_axes(plan.machine()));
+  stance.direction = kinematics.pose(Vec3::Zero(), turns, tool_of(plan.machine())).tool_axis;
+  return stance;
 }
 
 }  // namespace abbe::testing

@@ -45,4 +45,15 @@ inline ProgramRun run_program(const Plan& plan, const std::string& program, Prog
   return run;
 }
 
+/// What the verification says of the output after its first `from` has become `to`.
+inline ProgramOutcome judge_spoiled(const Plan& plan, const ProgramJob& job, const std::string& from,
+                                    const std::string& to) {
+  std::string text = slurp(job.output);
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from << " in\n" << text;
+  if (at != std::string::npos) text.replace(at, from.size(), to);
+  const TestFile spoiled(text);
+  return verify_programs(plan, job, spoiled.path());
+}
+
 }  // namespace abbe::testing

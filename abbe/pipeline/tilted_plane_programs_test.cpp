@@ -6,7 +6,6 @@
 #include <cmath>
 #include <string>
 
-#include "abbe/chain/control_kinematics.h"
 #include "abbe/machine/read_profile.h"
 #include "abbe/pipeline/test_five_axis_machine.h"
 #include "abbe/pipeline/test_run_program.h"
@@ -20,10 +19,7 @@ using namespace testing;
 class PlaneWriter {
  public:
   PlaneWriter(Random& random, const Structure& structure, const Plan& plan)
-      : random_(random),
-        structure_(structure),
-        kinematics_(plan.machine(), addressed_axes(plan.machine())),
-        tool_(tool_of(plan.machine())) {}
+      : random_(random), structure_(structure), plan_(plan) {}
 
   std::string write() {
     std::string text = "O0001\nG21 G90 G17 G94 G54 G40 G80\nT1 M6\n";
@@ -37,12 +33,7 @@ class PlaneWriter {
   /// The Euler angles about Z X Z of a plane whose normal is the tool's direction with these turns; the angle
   /// in the plane is anything.
   std::string plane() {
-    const double tilt = rounded(random_.between(-60, 60), 0.001),
-                 turn = rounded(random_.between(-170, 170), 0.001);
-    Turns turns{};
-    turns[static_cast<std::size_t>(structure_.tilt - 'A')] = tilt * deg;
-    turns[static_cast<std::size_t>(structure_.turn - 'A')] = turn * deg;
-    const Vec3 n = kinematics_.pose(Vec3::Zero(), turns, tool_).tool_axis;
+    const auto [tilt, turn, n] = draw_stance(random_, structure_, plan_);
     // n = (sin i sin j, -cos i sin j, cos j)
     const double i = std::atan2(n.x(), -n.y()) / deg, j = std::atan2(std::hypot(n.x(), n.y()), n.z()) / deg;
     std::string text = fmt::format("G0 {}{:.3f} {}{:.3f}\n", structure_.tilt, tilt, structure_.turn, turn);
@@ -72,8 +63,7 @@ class PlaneWriter {
 
   Random& random_;
   Structure structure_;
-  ControlKinematics kinematics_;
-  Tool tool_;
+  const Plan& plan_;
 };
 
 const std::string kControl = "[control]\nmode = \"axis\"\n";

@@ -7,6 +7,14 @@
 #include "abbe/program/hole_cycle.h"
 
 namespace abbe {
+namespace {
+
+bool makes_datum_frame(Meaning meaning) {
+  return meaning == Meaning::datum_turn || meaning == Meaning::datum_mirror ||
+         meaning == Meaning::datum_scale || meaning == Meaning::datum_scale_evenly;
+}
+
+}  // namespace
 
 // "CYCL DEF 7.1 X+5", "CYCL DEF 247 DATUM SETTING ~".
 std::optional<BlockError> KlartextCycle::read_definition(std::size_t begin) {
@@ -42,7 +50,50 @@ std::optional<BlockError> KlartextCycle::read_definition(std::size_t begin) {
     while (at_ < end_ && text_[at_] != 'Q') ++at_;
     return read_parameters();
   }
+  if (makes_datum_frame(meaning) && part == 1) return read_frame(*keyword, begin);
   return read_shift(*keyword, begin);
+}
+
+// "ROT+35", "X Y", "X1.4 Y0.6 CCX+15 CCY+20", "SCL0.995".
+std::optional<BlockError> KlartextCycle::read_frame(const Profile::Keyword& keyword, std::size_t begin) {
+  if (auto error = add_code(keyword, begin, at_)) return error;
+  const Meaning meaning = profile_.g[keyword.index].meaning;
+  for (skip_blanks(); at_ < end_; skip_blanks()) {
+    bool known = false;
+    if (auto error = read_frame_word(meaning, known)) return error;
+    if (!known)
+      return wrong(
+          "E-FRAME", begin, fmt::format("{} in a form that is not followed", keyword.name),
+          "the frame of what follows is not known",
+          "write 10.1 ROT+.., 8.1 with X, Y or nothing, 26.1 with X, Y, Z and CCX, CCY, or 11.1 SCL..");
+  }
+  const bool bare = block_.count == 1 && meaning != Meaning::datum_mirror;
+  if (!bare) return std::nullopt;
+  return wrong("E-FRAME", begin, fmt::format("{} without its value", keyword.name),
+               "the frame of what follows is not known", "write the value");
+}
+
+// One word of such a block. `known` becomes true where it belongs to it.
+std::optional<BlockError> KlartextCycle::read_frame_word(Meaning meaning, bool& known) {
+  const std::size_t begin = at_;
+  const std::string_view said = name();
+  const bool axis = said.size() == 1 && said[0] >= 'X' && said[0] <= 'Z';
+  const bool centre = said.size() == 3 && said.substr(0, 2) == "CC" && said[2] >= 'X' && said[2] <= 'Z';
+  switch (meaning) {
+    case Meaning::datum_turn:
+      known = said == "ROT" && block_.count == 1;
+      return known ? read_value('R', begin) : std::nullopt;
+    case Meaning::datum_mirror:
+      known = axis && said[0] != 'Z' && (at_ == end_ || is_blank(text_[at_]));
+      return known ? add(said[0], begin, at_, at_, 0) : std::nullopt;
+    case Meaning::datum_scale:
+      known = axis || centre;
+      if (!known) return std::nullopt;
+      return read_value(axis ? said[0] : static_cast<char>('I' + (said[2] - 'X')), begin);
+    default:
+      known = said == "SCL" && block_.count == 1;
+      return known ? read_value('P', begin) : std::nullopt;
+  }
 }
 
 std::optional<BlockError> KlartextCycle::read_cycle_words() {
@@ -79,7 +130,8 @@ std::optional<BlockError> KlartextCycle::read_hole_part(const Profile::Keyword& 
 std::optional<BlockError> KlartextCycle::read_shift(const Profile::Keyword& keyword, std::size_t begin) {
   if (auto error = add_code(keyword, begin, at_)) return error;
   if (auto error = read_coordinates()) return error;
-  if (block_.count == 2 && at_ == end_ && block_.increments == 0 && block_.words[1].letter >= 'X')
+  if (profile_.g[keyword.index].meaning == Meaning::local_shift && block_.count == 2 && at_ == end_ &&
+      block_.increments == 0 && block_.words[1].letter >= 'X')
     return std::nullopt;
   return wrong("E-FRAME", begin, "a datum shift that is not CYCL DEF 7.n X.. (or Y, Z)",
                "a row of the datum table, an increment or an angle: the frame is not known",

@@ -25,6 +25,8 @@ class KlartextCycle : public KlartextScan {
   std::optional<BlockError> begin_hole(const Profile::Keyword& keyword, std::size_t begin);
   std::optional<BlockError> read_hole_part(const Profile::Keyword& keyword, int part, std::size_t begin);
   std::optional<BlockError> read_shift(const Profile::Keyword& keyword, std::size_t begin);
+  std::optional<BlockError> read_frame(const Profile::Keyword& keyword, std::size_t begin);
+  std::optional<BlockError> read_frame_word(Meaning meaning, bool& known);
 };
 
 }  // namespace abbe

@@ -219,7 +219,8 @@ bool axis_words_taken(GCode zero_code) {
 /// The axis words of the block are of the frame.
 bool takes_words(FrameChange frame) {
   return frame == FrameChange::turn || frame == FrameChange::scale || frame == FrameChange::mirror ||
-         frame == FrameChange::plane;
+         frame == FrameChange::plane || frame == FrameChange::datum_mirror ||
+         frame == FrameChange::datum_scale;
 }
 
 /// TRANS, ATRANS, ROT, AROT, SCALE, ASCALE, MIRROR.

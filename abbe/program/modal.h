@@ -72,6 +72,9 @@ enum class FrameChange : std::int8_t {
                   ///< which side
   end_plane,      ///< P1: and turns them back
   swivel_plane,   ///< by the numbers in the brackets of the code
+  datum_turn,     ///< about the datum, by R; 0 ends it
+  datum_mirror,   ///< of X, Y or both at the datum; alone: ends it
+  datum_scale,    ///< X Y Z about I J K, or P for all about the datum; factors of 1 end it
 };
 
 /// What the words of one block ask for, checked against the list of known codes and against each other.

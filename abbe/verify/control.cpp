@@ -159,7 +159,7 @@ bool Control::execute_settled() {
   if (plain) {
     if (!feed_words()) return false;
   } else {
-    if (!settings() || !modes() || !placement_allows() || !non_modal()) return false;
+    if (!settings() || !modes() || !placement_allows() || !datum_allows() || !non_modal()) return false;
   }
   if (!move() || !drill()) return false;
   return stops() && leftovers();
@@ -174,7 +174,7 @@ bool Control::choose_motion() {
   const bool times_by_x = group0 == 40 && (b.g_words[0] & letter_bit('X')) != 0;
   const int frame = b.g_code(11);
   const bool turns =
-      frame == 680 || frame == 682 || frame == 510 || frame == 511 || (b.g_code(17) >= 0 && axis_words);
+      frame == 680 || frame == 682 || (frame >= 510 && frame <= 513) || (b.g_code(17) >= 0 && axis_words);
   const bool takes_axes = group0 == 100 || group0 == 280 || group0 == 300 ||
                           (group0 >= 520 && group0 <= 522) || (group0 >= 683 && group0 <= 685) ||
                           group0 == 920 || times_by_x || turns;

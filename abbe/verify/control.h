@@ -135,6 +135,11 @@ class Control {
   bool scale();
   bool mirror(bool on);
   void end_placement(Placement::Kind kind);
+  // control_datum.cpp
+  bool turn_about_datum();
+  bool mirror_at_datum();
+  bool scale_at_datum();
+  bool datum_allows();
   bool frame_is_bare(std::size_t column);
   bool placement_allows();
   bool placement_allows_motion();
@@ -209,6 +214,7 @@ class Control {
   Axes unknown_turns_ = 0;      ///< bits 0 1 2 = A B C
   Axes commanded_turns_ = 0;    ///< named by some block so far
   bool laid_by_words_ = false;  ///< the program turns the rotary axes to the plane itself
+  bool scaled_by_one_ = false;  ///< the scale in force has one factor for all axes
   bool on_plane_ = false;       ///< the rotary axes stand on the tilted plane in force
   bool tcp_ = false;
   bool directs_by_centre_words_ = false;  ///< I J K of a straight motion are the tool's direction

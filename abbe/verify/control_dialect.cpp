@@ -192,12 +192,14 @@ bool Control::change_flow(int code) {
   return true;
 }
 
-/// G68 X Y R and G69: after either, X and Y are known when the program commands them again.
+/// G68 X Y R, CYCL DEF 10 R and G69: after each, X and Y are known when the program commands them again.
 void Control::turn(int code) {
   const Block& b = *block_;
-  frames_.turn = code == 680 && b.has('R') ? b['R'] * deg : 0;
+  constexpr int ends = 690, at_datum = 692;
+  frames_.turn = code != ends && b.has('R') ? b['R'] * deg : 0;
   frames_.pivot = Vec3(b.has('X') ? length_word('X') : 0, b.has('Y') ? length_word('Y') : 0, 0);
-  const Letters words = code == 680 ? letters('X', 'Y', 'R') : 0;
+  const Letters words = code == ends ? 0 : code == at_datum ? letters('R') : letters('X', 'Y', 'R');
+  pole_.reset();
   used_ |= words;
   constexpr Axes plane_xy = 3;
   m_.known &= ~plane_xy;

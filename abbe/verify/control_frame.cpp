@@ -29,7 +29,7 @@ Vec3 turned_about(const Vec3& axis, double angle, const Vec3& v) {
 
 bool Control::change_frame(int code) {
   const Block& b = *block_;
-  if (code != 680 && code != 690 &&
+  if (code != 680 && code != 690 && code != 692 &&
       (b.g_code(0) >= 0 || b.g_code(1) >= 0 || b.g_code(8) >= 0 || b.g_code(12) >= 0 || b.m_code(6) >= 0 ||
        b.tcp_code >= 0 || (b.words & letters('A', 'B', 'C')) != 0))
     return refuse(b.g_column[11], "E-BLOCK", "a frame beside other codes", "their order is not defined",
@@ -49,6 +49,12 @@ bool Control::change_frame(int code) {
       return scale();
     case 511:
       return mirror(true);
+    case 512:
+      return mirror_at_datum();
+    case 513:
+      return scale_at_datum();
+    case 692:
+      return turn_about_datum();
     default:
       break;
   }

@@ -91,7 +91,12 @@ bool Control::may_drill(int call) {
   for (int i = 0; i < b.extra_count; ++i) late = late || b.extras[static_cast<std::size_t>(i)].after;
   if (late)
     return bad("E-AUX", "a call beside a code that acts behind the motion", "their order is not sure");
-  if (frames_.placement.on() && !on_plane_)
+  const Placement::Kind kind = frames_.placement.kind;
+  const bool aside = hole_words_.cycle == 202 || hole_words_.cycle == 204;
+  if (kind == Placement::Kind::scale || (kind == Placement::Kind::mirror && aside))
+    return bad("E-CYCLE", "a cycle in a scaled frame, or a bore in a mirrored one",
+               "what the control makes of its numbers is not sure");
+  if (kind == Placement::Kind::plane && !on_plane_)
     return bad("E-CYCLE", "a cycle on a plane where the tool does not stand yet", "its axis is not sure");
   if (tcp_ && !on_plane_) return bad("E-TCP", "a cycle while the tip is controlled", "its axis is not sure");
   const bool always = drills_always_ || call != 99;

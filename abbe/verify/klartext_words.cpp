@@ -9,39 +9,14 @@
 #include <initializer_list>
 #include <string>
 
-#include "abbe/core/number.h"
-#include "abbe/verify/word_taker.h"
+#include "abbe/verify/klartext_cycles.h"
 
 namespace abbe::verifying {
 namespace {
 
-constexpr std::string_view kBlanks = " \t\r";
-constexpr std::string_view kDigits = "0123456789";
-
-std::string_view stripped(std::string_view text) {
-  const auto begin = text.find_first_not_of(kBlanks);
-  if (begin == std::string_view::npos) return {};
-  return text.substr(begin, text.find_last_not_of(kBlanks) + 1 - begin);
-}
-
-bool goes_on(std::string_view line) {
-  const std::string_view said = stripped(line);
-  return !said.empty() && said.back() == '~';
-}
-
-bool begins(std::string_view text, std::string_view with) { return text.substr(0, with.size()) == with; }
-
-bool is_hole(std::string_view cycle) {
-  return cycle.size() == 3 && begins(cycle, "20") && kDigits.find(cycle[2]) != std::string_view::npos;
-}
-
-bool begins_q_word(std::string_view text) {
-  return text.size() > 1 && text[0] == 'Q' && kDigits.find(text[1]) != std::string_view::npos;
-}
-
-class KlartextScanner : public WordTaker {
+class KlartextScanner : public KlartextCycles {
  public:
-  using WordTaker::WordTaker;
+  using KlartextCycles::KlartextCycles;
 
   bool scan(Continued continued) {
     long number = -1;
@@ -71,40 +46,6 @@ class KlartextScanner : public WordTaker {
   }
 
  private:
-  static constexpr std::size_t kMostItems = 40;
-
-  bool keep_text(std::string_view text) {
-    if (text.empty()) return true;
-    block_.comments[static_cast<std::size_t>(block_.comment_count++)] = text;
-    return true;
-  }
-  /// The column of an item, from 1; at_ is put behind it.
-  std::size_t column(std::string_view item) {
-    const auto begin = static_cast<std::size_t>(item.data() - line_.data());
-    at_ = begin + item.size();
-    return begin + 1;
-  }
-  bool bad(std::string_view item, const char* code, std::string message, const char* why, const char* fix) {
-    const std::size_t place = column(item);
-    return refuse(fault_, place, std::max<std::size_t>(1, item.size()), code, std::move(message), why, fix);
-  }
-  bool cut(std::string_view rest) {
-    for (std::size_t at = 0; at < rest.size();) {
-      at = rest.find_first_not_of(kBlanks, at);
-      if (at == std::string_view::npos) break;
-      const std::size_t end = std::min(rest.size(), rest.find_first_of(kBlanks, at));
-      if (count_ == kMostItems)
-        return bad(rest.substr(at, 1), "E-BLOCK", "too many words in a block",
-                   "no control accepts such a block", "use two blocks");
-      items_[count_++] = rest.substr(at, end - at);
-      at = end;
-    }
-    return true;
-  }
-  [[nodiscard]] std::string_view item(std::size_t i) const {
-    return i < count_ ? items_[i] : std::string_view();
-  }
-
   bool block() {
     const std::string_view first = items_[0];
     if (first == "L") return line();
@@ -139,11 +80,6 @@ class KlartextScanner : public WordTaker {
 
   [[nodiscard]] bool whole_is(std::initializer_list<std::string_view> words) const {
     return count_ == words.size() && std::equal(words.begin(), words.end(), items_.begin());
-  }
-  /// A block that is one code, by the name that the profile has for it.
-  bool named(std::string_view said, const char* name) {
-    const Profile::Keyword* word = find_keyword(profile_, name);
-    return word != nullptr ? keyword(*word, whole_, column(said)) : unknown(said);
   }
 
   /// "5" or "\"NAME\"" behind LBL or CALL LBL; nothing may follow, REP least of all.
@@ -207,62 +143,6 @@ class KlartextScanner : public WordTaker {
                  "write M140 MB MAX or MB and a number at the end");
     const std::string_view text = from_to(said, items_[i]);
     return keep_text(text) && m_word(140, column(said));
-  }
-  [[nodiscard]] static std::string_view from_to(std::string_view first, std::string_view last) {
-    return {first.data(), static_cast<std::size_t>(last.data() - first.data()) + last.size()};
-  }
-
-  bool unknown(std::string_view said) {
-    std::size_t length = 0;
-    while (length < said.size() && said[length] >= 'A' && said[length] <= 'Z') ++length;
-    const std::string_view name = said.substr(0, length);
-    column(said);
-    if (const Profile::Keyword* word = find_keyword(profile_, name);
-        word != nullptr && profile_.g[word->index].refusal != 0)
-      return keyword(*word, name, column(said));
-    if (name == "Q")
-      return bad(said, "E-EXPR", "variables are not read", "their value is known only to the control",
-                 "post the program with literal numbers");
-    return bad(said, "E-GCODE", fmt::format("{} is not understood for {}", said, profile_.title),
-               "an unknown word may move the machine or change its state", "post the program without it");
-  }
-
-  /// A literal number that is the whole of `digits`, with a point or a comma. `of`: the item it belongs to.
-  bool number(std::string_view digits, std::string_view of, double& value) {
-    std::string text(digits.substr(0, 40));
-    std::replace(text.begin(), text.end(), ',', '.');
-    const Decimal read = read_decimal(text);
-    if (read.length == 0 || read.length != digits.size())
-      return bad(of, "E-EXPR", fmt::format("{} has no literal number", of),
-                 "its value is known only to the control", "post the program with literal numbers");
-    value = read.value;
-    if (std::abs(value) <= kMaxNumber) return true;
-    return bad(of, "E-NUMBER", "the number is too large", "no machine goes there", "correct the number");
-  }
-
-  /// Coordinates from item i on, which becomes the first that is none.
-  bool coordinates(std::size_t& i, std::string_view letters) {
-    for (; i < count_; ++i) {
-      std::string_view said = items_[i];
-      const bool distance = said[0] == 'I';
-      if (distance) said.remove_prefix(1);
-      const bool named = !said.empty() && letters.find(said[0]) != std::string_view::npos &&
-                         (said.size() == 1 || said[1] < 'A' || said[1] > 'Z');
-      if (!named) return true;
-      const char letter = said[0];
-      std::string_view digits = said.substr(1);
-      if (digits.empty()) digits = item(++i);
-      double value = 0;
-      if (!number(digits, said, value)) return false;
-      if (distance) {
-        if (letter < 'X')
-          return bad(said, "E-ROTARY", "an increment of a rotary axis", "its whole turns are not sure",
-                     "post the angle itself");
-        block_.increments |= std::uint32_t{1} << (letter - 'X');
-      }
-      if (!value_word(letter, value, column(said), false)) return false;
-    }
-    return true;
   }
 
   bool line() {
@@ -442,133 +322,6 @@ class KlartextScanner : public WordTaker {
                  "where the rotary axes go is not known", "write SPA.. SPB.. SPC.. STAY");
     return keyword(*word, "", column(items_[0]));
   }
-
-  bool definition() {
-    const std::string_view number_and_part = item(2);
-    const auto point = number_and_part.find('.');
-    const std::string_view cycle = number_and_part.substr(0, point);
-    const std::string_view part =
-        point == std::string_view::npos ? std::string_view("-") : number_and_part.substr(point + 1);
-    const Profile::Keyword* word = find_keyword(profile_, "CYCL" + std::string(cycle));
-    const bool understood = word != nullptr && !cycle.empty() &&
-                            cycle.find_first_not_of(kDigits) == std::string_view::npos && part.size() == 1;
-    if (!understood)
-      return bad(items_[0], "E-CYCLE", "a cycle that is not known", "it may move the machine or its frame",
-                 "post without it");
-    const Meaning meaning = profile_.g[word->index].meaning;
-    if (meaning == Meaning::unknown) return keyword(*word, whole_, column(items_[0]));
-    const int of_parts =
-        meaning == Meaning::hole_cycle && cycle.size() < 3 ? std::stoi(std::string(cycle)) : 0;
-    if (of_lines(of_parts) && part != "-") return hole_line(of_parts, part[0] - '0');
-    if (meaning == Meaning::hole_cycle && (part != "-" || !is_hole(cycle)))
-      return bad(items_[0], "E-CYCLE", "a drilling cycle in another form", "where it drills is not known",
-                 "write CYCL DEF and its Q words");
-    if (part == "0") return keep_text(whole_);
-    if (meaning == Meaning::copy || meaning == Meaning::smoothing)
-      return keyword(*word, whole_, column(items_[0]));
-    if (meaning == Meaning::numbered_work_offset) {
-      std::size_t i = 3;
-      while (i < count_ && items_[i][0] != 'Q') ++i;
-      return i == count_ ? goes_on(line_) || lacks_preset(items_[0]) : preset(i);
-    }
-    if (meaning == Meaning::hole_cycle) {
-      block_.hole_begins = true;
-      std::size_t i = 3;
-      while (i < count_ && !begins_q_word(items_[i])) ++i;
-      const std::size_t from =
-          i < count_ ? static_cast<std::size_t>(items_[i].data() - whole_.data()) : whole_.size();
-      return hole_words(200 + (cycle[2] - '0'), whole_.substr(from));
-    }
-    std::size_t i = 3;
-    if (!coordinates(i, "XYZ")) return false;
-    const bool one = block_.words != 0 && (block_.words & (block_.words - 1)) == 0;
-    if (i != count_ || !one || block_.increments != 0 || meaning != Meaning::local_shift)
-      return bad(items_[0], "E-FRAME", "a datum shift of another form", "the frame is not known",
-                 "shift one axis a line, by a number");
-    return keyword(*word, "", column(items_[0]));
-  }
-
-  bool lacks_preset(std::string_view at) {
-    return bad(at, "E-WCS", "CYCL DEF 247 says no preset", "the frame is not known", "write Q339=+1");
-  }
-
-  /// "CYCL DEF 1.0 PECKING", "CYCL DEF 1.1 SET UP 2": the number at the end, behind a name in any language.
-  bool hole_line(int cycle, int number_of_line) {
-    block_.hole.cycle = cycle;
-    block_.hole_begins = number_of_line == 0;
-    if (block_.hole_begins) return keep_text(whole_);
-    const auto known = known_words(cycle);
-    if (std::find(known.begin(), known.end(), number_of_line) == known.end())
-      return bad(items_[0], "E-CYCLE", fmt::format("cycle {} has no line {}", cycle, number_of_line),
-                 "what it changes is not known", "write the lines of the cycle");
-    std::string_view last = count_ > 3 ? items_[count_ - 1] : std::string_view();
-    const auto digits = last.find_first_of("+-0123456789");
-    const std::string_view name = last.substr(0, digits);
-    const auto strange = [](std::string_view said) {
-      return said.find_first_not_of("ABCDEFGHIJKLMNOPRSTUVWXYZ.") != std::string_view::npos;
-    };
-    bool variable =
-        digits == std::string_view::npos || strange(name) || (!name.empty() && name.back() == '.');
-    for (std::size_t i = 3; i + 1 < count_; ++i) variable = variable || strange(items_[i]);
-    double value = 0;
-    if (variable)
-      return bad(items_[0], "E-EXPR", "a line of a cycle that does not end with a literal number",
-                 "its value is known only to the control", "post literal numbers");
-    return number(last.substr(digits), last, value) && block_.hole.take(number_of_line, value);
-  }
-
-  /// "Q200=+2 Q201 = -10,5": one name and value after the other, wherever blanks stand.
-  bool hole_words(int cycle, std::string_view rest) {
-    block_.hole.cycle = cycle;
-    const auto known = known_words(cycle);
-    while (!rest.empty()) {
-      const auto next = rest.find('Q', 1);
-      const std::string_view word = rest.substr(0, next);
-      const auto equals = word.find('=');
-      const std::string_view name = stripped(word.substr(0, equals));
-      const bool named = name.size() == 4 && begins_q_word(name) &&
-                         name.find_first_not_of(kDigits, 1) == std::string_view::npos;
-      const int q = named ? std::stoi(std::string(name.substr(1))) : 0;
-      if (std::find(known.begin(), known.end(), q) == known.end())
-        return bad(name, "E-CYCLE", fmt::format("{} does not belong to cycle {}", name, cycle),
-                   "what it changes is not known", "write the words of the cycle");
-      if (equals == std::string_view::npos)
-        return bad(name, "E-EXPR", fmt::format("{} without a value", name), "it is known only to the control",
-                   "post literal numbers");
-      const std::string_view said = stripped(word.substr(equals + 1));
-      const bool feed = q == 206 || q == 208 || q == 253 || q == 254;
-      const bool rapid = said == "MAX" || said == "FMAX";
-      double value = rapid ? HoleWords::kRapid : HoleWords::kFeedOfProgram;
-      if (!feed || !(rapid || said == "AUTO" || said == "FAUTO")) {
-        if (!number(said, name, value)) return false;
-        if (feed && value < 0)
-          return bad(name, "E-EXPR", "a negative feed", "no feed is negative", "correct it");
-      }
-      if (!block_.hole.take(q, value))
-        return bad(name, "E-CYCLE", fmt::format("{} twice", name), "it is not defined which one holds",
-                   "keep one");
-      rest = next == std::string_view::npos ? std::string_view() : rest.substr(next);
-    }
-    return true;
-  }
-
-  /// "Q339=+1", "Q339 = +1".
-  bool preset(std::size_t i) {
-    std::string said;
-    for (std::size_t k = i; k < count_; ++k) said += items_[k];
-    const Profile::Keyword* word = find_keyword(profile_, "CYCL247");
-    if (word == nullptr || !begins(said, "Q339="))
-      return bad(item(i), "E-WCS", "cycle 247 without Q339", "the frame is not known", "write Q339=+1");
-    const std::string digits = said.substr(5);
-    const Decimal read = read_decimal(digits);
-    if (read.length == 0 || read.length != digits.size())
-      return bad(item(i), "E-EXPR", "Q339 is no literal number", "the frame is not known", "write Q339=+1");
-    return value_word('P', read.value, column(item(i)), false) && keyword(*word, "", column(item(i)));
-  }
-
-  std::string_view whole_;
-  std::array<std::string_view, kMostItems> items_;
-  std::size_t count_ = 0;
 };
 
 }  // namespace

@@ -146,6 +146,13 @@ constexpr Seat seat_of(Meaning meaning) {
       return {11, 683};
     case Meaning::plane_off:
       return {11, 691};
+    case Meaning::datum_turn:
+      return {11, 692};
+    case Meaning::datum_mirror:
+      return {11, 512};
+    case Meaning::datum_scale:
+    case Meaning::datum_scale_evenly:
+      return {11, 513};
     case Meaning::frame_shift:
       return {0, 521};
     case Meaning::frame_shift_further:
