@@ -190,6 +190,13 @@ TEST(KlartextBlock, AnyBytesAreReadOrRefused) {
                                           "8 CYCL DEF 247 P Q339=+4 ~",
                                           "CC X+1 Y-2",
                                           "C X+5 DR- F AUTO",
+                                          "CYCL DEF 1.1 SET UP 2",
+                                          "CYCL DEF 17.3 PITCH-1",
+                                          "CYCL DEF 10.1 ROT+30",
+                                          "CYCL DEF 8.1 X Y",
+                                          "CYCL DEF 26.1 X2 CCX+5",
+                                          "CYCL DEF 11.1 SCL0.5",
+                                          "L X+1 RL F5",
                                           "0 BEGIN PGM 12 MM"};
   std::mt19937 random(7);
   Block block;

@@ -366,6 +366,20 @@ TEST(Klartext, TipControlEndsInABlockOfItsOwn) {
   EXPECT_NE(findings(beside.outcome).find("E-TCP"), std::string::npos) << findings(beside.outcome);
 }
 
+// Both readers count F of a program in inches in tenths: 8 inches at F48000 last 100 ms.
+TEST(Klartext, TenthsOfAnInchDecideHowLongBlocksLast) {
+  const std::string program =
+      "0 BEGIN PGM A INCH\n1 TOOL CALL 1 Z S3000\n2 L X+0 Y+0 Z+1 R0 FMAX\n3 L X+8 F48000\n4 END PGM A "
+      "INCH\n";
+  ProgramJob job = heidenhain_job();
+  job.datum = DatumRule::ideal;
+  job.block_time = 0.030;
+  const ProgramRun run = run_program(plan_of(tilted("")), program, job);
+  ASSERT_EQ(run.outcome.end, ProgramEnd::done) << findings(run.outcome);
+  EXPECT_GT(run.outcome.rewrite.blocks.split, 0U) << run.output;
+  EXPECT_GE(run.outcome.rewrite.shortest_split_time, 0.030 * 0.999);
+}
+
 TEST(Klartext, WhatIsNotSureIsRefused) {
   const std::vector<std::pair<std::string, std::string>> refused = {
       {"4 C X+10 Y+10 DR+ F500\n", "E-ARC"},                                    // no pole

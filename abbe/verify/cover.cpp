@@ -236,10 +236,12 @@ bool Comparison::cover_piece(Cover& cover, const Motion& piece) {
 }
 
 /// A piece of a split motion may not be faster than the control reads blocks:  T = length / F, in inverse
-/// time 60 s / F. Where lost motion is taken up, pieces end where an axis turns, however short they are.
+/// time 60 s / F. Where lost motion is taken up, pieces end where an axis turns, however short they are. F100
+/// of a conversational program in inches is 10 inches per minute.
 void Comparison::check_time(const Motion& piece, double length) {
   if (!(job_.block_time > 0) || job_.reversal || !(piece.feed > 0) || piece.feed_mode == 950) return;
-  const double unit = output_.inch() ? abbe::inch : abbe::mm;
+  const double inches = output_.profile().text.conversational ? abbe::inch / 10 : abbe::inch;
+  const double unit = output_.inch() ? inches : abbe::mm;
   const double time = piece.feed_mode == 930 ? 60 / piece.feed : 60 * length / unit / piece.feed;
   if (time >= (1 - kShareTolerance) * job_.block_time) return;
   disagree("V-FEED", fmt::format("this piece lasts {:.3g} ms, the control reads blocks of {:.3g} ms",

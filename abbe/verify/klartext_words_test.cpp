@@ -291,6 +291,10 @@ TEST(KlartextWords, AnyBytesAreReadOrRefused) {
   std::vector<std::string> lines;
   for (std::size_t at = 0; at < text.size(); at = text.find('\n', at) + 1)
     lines.push_back(text.substr(at, text.find('\n', at) - at));
+  for (const char* line :
+       {"CYCL DEF 1.1 SET UP 2", "CYCL DEF 17.3 PITCH-1", "CYCL DEF 10.1 ROT+30", "CYCL DEF 8.1 X Y",
+        "CYCL DEF 26.1 X2 CCX+5", "CYCL DEF 11.1 SCL0.5", "L X+1 RL F5"})
+    lines.emplace_back(line);
   Block block;
   Fault fault;
   for (int i = 0; i < 20000; ++i) {
