@@ -257,6 +257,12 @@ class Rewriter {
   bool settle_vector(double s, const Turns& meant, const Turns& wanted, const Turns& from, Stop& stop);
   void command_vector(const Piece& piece, bool first, std::string* extra);
 
+  // rewriter_between.cpp: how rotary axes go from end to end of a block
+  [[nodiscard]] bool says_how_it_turns() const;
+  [[nodiscard]] bool turns_evenly() const;
+  [[nodiscard]] bool evenly_enough(const Move& move) const;
+  bool turns_as_followed(const Move& move);
+
   bool choose_turning_feed(const Move& move, const Stop& start, const std::vector<Stop>& stops);
   void write_timed(const Move& move, const std::vector<Piece>& pieces, std::string& out);
 
@@ -457,6 +463,7 @@ class Rewriter {
   bool saved_g92_ = false;
   bool offset_doubtful_ = false;  ///< the control may have dropped the tool offset
   bool smoothing_said_ = false;
+  bool way_said_ = false;  ///< that how the tool turns is left to machine data
   bool datum_dirty_ = true;
   std::vector<bool> frame_reported_;
 

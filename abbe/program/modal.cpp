@@ -176,6 +176,12 @@ void Reading::put_in_force(const Role& role, const CodeUse& use) {
     case path:
       out.path_control = true;
       break;
+    case turn_frame:
+      out.turn_codes.frame = static_cast<TurnCodes::Frame>(role.code);
+      break;
+    case turn_way:
+      out.turn_codes.way = static_cast<TurnCodes::Way>(role.code);
+      break;
     case loose:
       out.smooths = out.smooths || use.meaning == Meaning::smoothing;
       out.ends_scale = out.ends_scale || use.meaning == Meaning::scale_off;
@@ -505,6 +511,8 @@ void apply_modal(const Block& block, const Instruction& in, ModalState& state) {
   if (in.plane >= 0) state.plane = in.plane == 170 ? Plane::xy : in.plane == 180 ? Plane::zx : Plane::yz;
   if (in.units >= 0) state.inch = in.units == 200;
   if (in.tcp >= 0) state.vectors = in.vectors;
+  if (in.turn_codes.frame != TurnCodes::Frame::unsaid) state.turn_codes.frame = in.turn_codes.frame;
+  if (in.turn_codes.way != TurnCodes::Way::unsaid) state.turn_codes.way = in.turn_codes.way;
   if (in.distance >= 0) state.incremental = in.distance == 910;
   if (in.arc_distance >= 0) state.absolute_centre = in.arc_distance == 901;
   if (in.retract >= 0) state.retract_to_r = in.retract == 990;

@@ -29,6 +29,12 @@ enum class Plane : std::uint8_t { xy, zx, yz };
   }
 }
 
+/// What a program has said of how its tool turns from end to end of a block (ORIMKS ORIWKS, ORIAXES ORIVECT).
+struct TurnCodes {
+  enum class Frame : std::uint8_t { unsaid, workpiece, machine } frame = Frame::unsaid;
+  enum class Way : std::uint8_t { unsaid, axes, tool } way = Way::unsaid;
+};
+
 /// What stays in force from block to block.
 struct ModalState {
   GCode motion = 800;  ///< G0 G1 G2 G3, a cycle, or G80
@@ -49,6 +55,7 @@ struct ModalState {
   bool edge_stated = true;               ///< and it is
   bool stated = true;                    ///< all of these
   bool vectors = false;                  ///< I J K of lines and rapids are the tool's direction (G43.5)
+  TurnCodes turn_codes;                  ///< how rotary axes go from end to end
   std::span<const TcpCode> tcp_codes{};  ///< codes of this control that switch tool centre point control
   [[nodiscard]] double unit() const { return inch ? 25.4 : 1.0; }
 };
@@ -93,6 +100,7 @@ struct Instruction {
         retract = -1;
   GCode cutter = -1;        ///< G40, G41 G42, 411 421: D is the diameter
   bool dwell_by_f = false;  ///< F is the time of a dwell, no feed
+  TurnCodes turn_codes;     ///< those of this block
   FrameChange frame = FrameChange::none;
   bool ends_scale = false, ends_mirror = false;  ///< G50, G50.1, if one is in force
   LetterSet motion_words = 0;

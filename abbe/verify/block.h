@@ -45,8 +45,9 @@ struct Continued {
 /// The words of one block, before any meaning. Arrays are valid only where a bit says so, so that
 /// clearing a block costs four stores.
 struct Block {
-  /// LinuxCNC's modal groups of G codes; 11 holds frames, 16 and 17 the ends of a scale and a mirror.
-  static constexpr int kGroups = 18;
+  /// LinuxCNC's modal groups of G codes; 11 holds frames, 16 and 17 the ends of a scale and a mirror,
+  /// 18 and 19 how the tool turns between blocks, 20 a cycle with brackets.
+  static constexpr int kGroups = 21;
   static constexpr int kRetracts = 1;           ///< M group: M140
   static constexpr int kWays = 2;               ///< M group: M126 M127, how rotary axes turn
   static constexpr int kCalls = 3;              ///< M group: M99 M89, calls of a drilling cycle

@@ -365,6 +365,7 @@ bool Control::modes() {
   if (const int code = change(4); code >= 0) absolute_centres_ = code == 901;
   if (const int code = change(10); code >= 0) retracts_to_r_ = code == 990;
   change(15);
+  note_turn_codes();
   return true;
 }
 

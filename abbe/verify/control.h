@@ -169,6 +169,11 @@ class Control {
   void forget_turns();
   bool switch_tcp(bool on);
   [[nodiscard]] bool turns_known() const;
+  // control_between.cpp
+  void note_turn_codes();
+  [[nodiscard]] bool axes_go_evenly() const;
+  [[nodiscard]] bool one_way(const Turns& from, const Turns& to) const;
+  bool way_is_sure();
 
   // What the block being executed says.
   const Block* block_ = nullptr;
@@ -210,6 +215,8 @@ class Control {
   bool laid_by_words_ = false;  ///< the program turns the rotary axes to the plane itself
   bool on_plane_ = false;       ///< the rotary axes stand on the tilted plane in force
   bool tcp_ = false;
+  /// Meanings of the codes given last (ORIWKS ORIMKS; ORIAXES ORIVECT); unknown: none was.
+  Meaning turns_of_ = Meaning::unknown, turning_ = Meaning::unknown;
   bool directs_by_centre_words_ = false;  ///< I J K of a straight motion are the tool's direction
   bool edge_stated_;  ///< which tool offset is in force does not depend on the control's settings
 

@@ -102,6 +102,7 @@ bool Control::straight() {
   const bool turns = (block_->words & letters('A', 'B', 'C')) != 0;
   if (turns && !read_turns(block_->g_code(0) == 530)) return false;
   if (direction_named() && !read_direction(block_->g_code(0) == 530)) return false;
+  if (motion_code_ != 0 && motion_.turns() && !way_is_sure()) return false;
   if (block_->g_code(0) == 530) {
     if (tcp_ && (motion_.named | motion_.named_turns) != 0)
       return refuse(block_->g_column[0], "E-TCP", "machine coordinates while tool centre point control is on",

@@ -139,7 +139,6 @@ TEST(NamedWords, WhatIsNotUnderstoodIsRefused) {
                                                                     {"TRANS X1 G1", "E-BLOCK"},
                                                                     {"ROT RPL=5\nATRANS X1", "E-ROTATION"},
                                                                     {"G70", "E-GCODE"},
-                                                                    {"ORIWKS", "E-TCP"},
                                                                     {"TRANS X1\nG91 G1 X1", "E-POS"},
                                                                     {"FGROUP(X,Y)", "E-GCODE"}};
   for (const auto& [line, code] : refused) {
