@@ -184,6 +184,7 @@ void Reading::put_in_force(const Role& role, const CodeUse& use) {
       break;
     case loose:
       out.smooths = out.smooths || use.meaning == Meaning::smoothing;
+      out.ends_call = out.ends_call || use.meaning == Meaning::modal_call;
       out.ends_scale = out.ends_scale || use.meaning == Meaning::scale_off;
       out.ends_mirror = out.ends_mirror || use.meaning == Meaning::mirror_off;
       out.exact_stop = out.exact_stop || use.meaning == Meaning::exact_stop_once;
@@ -219,7 +220,7 @@ bool Reading::note_m(const Word& word) {
 
 bool axis_words_taken(GCode zero_code) {
   return zero_code == 100 || zero_code == 280 || zero_code == 300 || (zero_code >= 520 && zero_code <= 522) ||
-         (zero_code >= 683 && zero_code <= 685) || zero_code == 920;
+         (zero_code >= 683 && zero_code <= 686) || zero_code == 920;
 }
 
 /// The axis words of the block are of the frame.
@@ -228,9 +229,9 @@ bool takes_words(FrameChange frame) {
          frame == FrameChange::plane;
 }
 
-/// TRANS, ATRANS, ROT, AROT, SCALE, ASCALE, MIRROR.
+/// TRANS, ATRANS, ROT, AROT, SCALE, ASCALE, MIRROR, AMIRROR.
 bool makes_frame(GCode zero_code) {
-  return zero_code == 521 || zero_code == 522 || (zero_code >= 681 && zero_code <= 685);
+  return zero_code == 521 || zero_code == 522 || (zero_code >= 681 && zero_code <= 686);
 }
 
 const char* letter_code(char letter) {

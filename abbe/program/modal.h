@@ -111,11 +111,12 @@ struct Instruction {
   bool set_tool = false;      ///< M61 Q
   std::int8_t flow = 0;       ///< 1: a subprogram is called, 2: one ends
   std::int8_t cycle_call =
-      0;                  ///< a drilling cycle is called: 1: here (M99, CYCL CALL), 2: from here on (M89)
-  bool retracts = false;  ///< M140
-  std::int8_t way = 0;    ///< rotary axes go 1: the shortest way (M126), 2: as the numbers say (M127)
-  bool ends = false;      ///< M2 M30
-  bool after = false;     ///< a code acts when the motion is done: M0 M1 M2 M30, on some controls M5 M9, G9
+      0;                   ///< a drilling cycle is called: 1: here (M99, CYCL CALL), 2: from here on (M89)
+  bool ends_call = false;  ///< MCALL alone
+  bool retracts = false;   ///< M140
+  std::int8_t way = 0;     ///< rotary axes go 1: the shortest way (M126), 2: as the numbers say (M127)
+  bool ends = false;       ///< M2 M30
+  bool after = false;      ///< a code acts when the motion is done: M0 M1 M2 M30, on some controls M5 M9, G9
 
   [[nodiscard]] const Word* find(const Block& block, char letter) const {
     const int i = word[static_cast<std::size_t>(letter - 'A')];

@@ -89,7 +89,7 @@ struct Block {
   std::string_view frame_text;   ///< of a code of group 11 that is a word, with its brackets
   std::string_view tool_name;    ///< T="..", without quotes; the T word is then 0
   std::uint32_t increments = 0;  ///< axes whose word is a distance by itself (IX), bits 0 1 2 = X Y Z
-  std::uint32_t places = 0;      ///< axes whose word is a place in G91, too (X=AC(5))
+  std::uint32_t places = 0;      ///< words that are places whatever the mode (X=AC(5)); bits 3 4 5 = I J K
   enum class Pole : std::uint8_t { none, set, used };
   Pole pole = Pole::none;    ///< CC X Y: sets the centre of the arcs that follow; C: goes about it
   HoleWords hole;            ///< Q words of a drilling cycle that this line (hole.cycle != 0) defines

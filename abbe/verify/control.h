@@ -152,8 +152,15 @@ class Control {
   bool check_tool();
   bool ways_agree();
   bool retract();
+  static constexpr int kOnceHere = 99;
   bool drill();
   bool may_drill(int call);
+  bool run_hole();
+  // control_bracket.cpp
+  [[nodiscard]] bool names_modal_call() const;
+  bool ends_modal_call();
+  bool define_bracket();
+  bool bracket_may_run();
   // control_cutter.cpp
   bool cutter_permits();
   bool switch_cutter(int code);

@@ -8,10 +8,11 @@
 
 namespace abbe::verifying {
 
-/// A drilling cycle of a conversational program (CYCL DEF 200 to 209) as its Q words say it: what the control
-/// remembers until it is called. Written apart from the rewriter's.
+/// A drilling cycle of a conversational program (CYCL DEF 200 to 209) as its Q words say it, or one with
+/// brackets (CYCLE81 to 89, 840) put into such words: what the control remembers until it is called. Written
+/// apart from the rewriter's.
 struct HoleWords {
-  static constexpr int kMost = 20;
+  static constexpr int kMost = 28;
   static constexpr double kFeedOfProgram = -1, kRapid = -2;  ///< feeds that are words: FAUTO, FMAX
   int cycle = 0;                            ///< 0: none
   int count = 0;
@@ -36,7 +37,7 @@ struct HolePlace {
 /// errors   nothing, `fault` says why: a word is missing, or its value leaves the motion to the control
 [[nodiscard]] std::optional<HolePlace> place_of(const HoleWords& words, std::string& fault);
 
-/// All words are equal but the place of the surface.
+/// All words are equal but the place of the surface; heights that count from it to rounding.
 [[nodiscard]] bool same_hole(const HoleWords& a, const HoleWords& b);
 
 }  // namespace abbe::verifying
