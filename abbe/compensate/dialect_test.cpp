@@ -278,6 +278,18 @@ TEST(Dialects, SiemensWordsThatSayWhatTheyAreStayAsTheyAre) {
   EXPECT_TRUE(run("AROT R90\n").has("E-EXPR"));
 }
 
+// The start is 99.995, the end 119.994, and with X 5e-5 too long the centre belongs at 109.9945.
+TEST(Dialects, SiemensCentresMayBePlaces) {
+  const auto run = [](const std::string& body) {
+    return rewrite(scaled_machine(), "G71 G90 G54 D0\nG0 X100 Y0 Z0\n" + body + "M30\n", job_for("siemens"));
+  };
+  const auto result = run("G2 X120 Y0 I=AC(110) J=AC(0) F100\n");
+  ASSERT_TRUE(result.report.complete) << result.findings();
+  EXPECT_THAT(result.text, HasSubstr("G0 X99.9950 Y0 Z0\nG2 X119.9940 Y0 I=AC(109.994"));
+  EXPECT_TRUE(run("G2 X120 Y0 I=AC(110) F100\n").has("E-ARC"));
+  EXPECT_TRUE(run("G91\nG2 X20 Y0 I=AC(110) J=AC(0) F100\n").has("E-BLOCK"));
+}
+
 TEST(Dialects, TextOfAnotherControlIsRefused) {
   EXPECT_TRUE(rewrite(scaled_machine(), "G21 G90 ; comment\nM30\n", job_for("fanuc")).has("E-CHAR"));
   EXPECT_TRUE(rewrite(scaled_machine(), "%\nM30\n%\n", job_for("grbl")).has("E-CHAR"));

@@ -63,17 +63,20 @@ TEST(NamedBlock, AWordMaySayThatItIsADistanceOrAPlace) {
   EXPECT_EQ(block.words[3].letter, 'Z');
   ASSERT_FALSE(read_named_block("X=IC(5)", siemens(), block));
   EXPECT_EQ(block.words_end, 7) << "words are added behind the bracket";
+  ASSERT_FALSE(read_named_block("G2 X=IC(5) I=AC(3) K=ac( -1 )", siemens(), block));
+  EXPECT_EQ(block.increments, 1);
+  EXPECT_EQ(block.places, 0b101000) << "I and K";
   ASSERT_FALSE(read_named_block("X5", siemens(), block));
   EXPECT_EQ(block.increments | block.places, 0);
 }
 
 TEST(NamedBlock, WhatIsNotLiteralIsRefused) {
-  for (const char* line : {"X=R1", "X=10+R1", "X10*2", "R1=5", "_HOME=3", "I=AC(5)", "X=IC(R1)", "X=IC(5",
+  for (const char* line : {"X=R1", "X=10+R1", "X10*2", "R1=5", "_HOME=3", "I=IC(5)", "I=AC(5", "X=IC(R1)", "X=IC(5",
                            "R90", "IF R1==5", "DEF REAL A", "GOTOF END", "X==5", "Z=_Z+5"})
     EXPECT_EQ(words_of(line), "E-EXPR") << line;
   for (const char* line : {"UNHEARD_OF", "MSG(\"open", "SUPA(3)", "COMPON=3", "LIMS=S1", "FGROUP(X,Y)"})
     EXPECT_EQ(words_of(line), "E-GCODE") << line;
-  EXPECT_EQ(words_of("MCALL CYCLE81(1,2)"), "E-CYCLE");
+  EXPECT_EQ(words_of("HOLES1(1,2)"), "E-CYCLE");
   EXPECT_EQ(words_of("CALL \"SUB\""), "E-OWORD");
   EXPECT_EQ(words_of("(comment)"), "E-CHAR");
   EXPECT_EQ(words_of("T=\"DRILL"), "E-TOOL");

@@ -302,6 +302,10 @@ TEST(Scale, ByWordsOfEveryAxis) {
   EXPECT_EQ(last_but_end(run_words("SCALE X2\nTRANS X10\nG0 X100 Y0 Z0\n")), "G0 X99.9450 Y0 Z0\n");
   EXPECT_EQ(last_but_end(run_words("MIRROR X0\nG0 X100 Y0 Z0\n")), "G0 X99.9500 Y0 Z0\n");
   EXPECT_EQ(last_but_end(run_words("MIRROR X0\nMIRROR\nG0 X100 Y0 Z0\n")), "G0 X99.9500 Y0 Z0\n");
+  // at X = 10 - 100 the machine is 0.045 short: 100 - 0.045
+  EXPECT_EQ(last_but_end(run_words("TRANS X10\nAMIRROR X0\nG0 X100 Y0 Z0\n")), "G0 X99.9550 Y0 Z0\n");
+  EXPECT_EQ(last_but_end(run_words("TRANS X10\nMIRROR X0\nG0 X100 Y0 Z0\n")), "G0 X99.9500 Y0 Z0\n");
+  EXPECT_TRUE(run_words("SCALE X2\nAMIRROR X0\nG0 X100 Y0 Z0\n").has("E-ROTATION"));
   EXPECT_TRUE(run_words("MIRROR X5\nG0 X100 Y0 Z0\n").has("E-FRAME"));
   EXPECT_TRUE(run_words("MIRROR Z0\nG0 X100 Y0 Z0\n").has("E-FRAME"));
 }

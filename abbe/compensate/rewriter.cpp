@@ -184,10 +184,10 @@ void Rewriter::block_lines(std::span<const std::string_view> texts, std::uint64_
     block_ = &blocks_[i];
     std::string& to = holds_ ? held_ : out;
     const std::size_t begin = to.size();
+    line_begin_ = holds_ ? 0 : begin;
     line(errors[i], too_long, to);
-    if (!profile_.text.conversational) continue;
-    count_blocks(begin, to);
-    keep_held(begin, to, out);
+    if (profile_.text.conversational) count_blocks(begin, to);
+    if (profile_.text.conversational || profile_.text.names) keep_held(begin, to, out);
   }
 }
 
@@ -268,7 +268,7 @@ void Rewriter::line(const std::optional<BlockError>& error, bool too_long, std::
     pass(out);
     return write_header(out);
   }
-  if (block_->cycle != 0) return define_hole(out);
+  if (block_->cycle != 0) return profile_.text.conversational ? define_hole(out) : define_bracket(out);
   if (spline_ && block_->count == 0) return hold_line(false);
   if (block_->tool_data) return define_tool(out);
   if (block_->flow != Block::Flow::none) return follow_label(out);
@@ -321,7 +321,7 @@ void Rewriter::execute(std::string& out) {
       instruction_.motion >= 0 && instruction_.motion != 800 &&
       (instruction_.moves_axes || is_arc(instruction_.motion) || is_cycle(instruction_.motion) ||
        instruction_.motion == kNurbs);
-  if (profile_.text.conversational && !call_hole(moves)) return;
+  if (profile_.text.conversational ? !call_hole(moves) : !call_bracket(moves)) return;
   if (instruction_.plain || (settings() && zero_group(out, done) && !done)) {
     if (!is_cycle(modal_.motion)) cycle_.code = -1;
     if (spline_ && instruction_.motion != kNurbs) {

@@ -26,6 +26,7 @@
 #include "abbe/compensate/turn_word.h"
 #include "abbe/compensate/turning_packet.h"
 #include "abbe/program/block.h"
+#include "abbe/program/bracket_cycle.h"
 #include "abbe/program/frames.h"
 #include "abbe/program/hole_cycle.h"
 #include "abbe/program/klartext_block.h"
@@ -267,6 +268,12 @@ class Rewriter {
   bool settle_vector(double s, const Turns& meant, const Turns& wanted, const Turns& from, Stop& stop);
   void command_vector(const Piece& piece, bool first, std::string* extra);
 
+  // rewriter_between.cpp: how rotary axes go from end to end of a block
+  [[nodiscard]] bool says_how_it_turns() const;
+  [[nodiscard]] bool turns_evenly() const;
+  [[nodiscard]] bool evenly_enough(const Move& move) const;
+  bool turns_as_followed(const Move& move);
+
   bool choose_turning_feed(const Move& move, const Stop& start, const std::vector<Stop>& stops);
   void write_timed(const Move& move, const std::vector<Piece>& pieces, std::string& out);
 
@@ -341,6 +348,10 @@ class Rewriter {
   bool fit_part(const Arc& nominal, double s0, double end, const Vec3& start, ArcPiece& piece);
   bool fit_piece(const Arc& nominal, double s0, double s1, const Vec3& start, bool whole, ArcPiece& piece);
   Vec3 rounded_end(const Vec3& want, const Vec3& p_out, bool first) const;
+  /// The centre word of axis k is a place (G90.1, I=AC(..)).
+  [[nodiscard]] bool places_centre(int k) const {
+    return modal_.absolute_centre || (block_->places >> (3 + k) & 1) != 0;
+  }
   [[nodiscard]] Value centre_value(int k, double centre, const Vec3& start, bool first, double& base) const;
   [[nodiscard]] std::optional<PlaneWay> written_way(const ArcPiece& piece, const Vec3& start,
                                                     const Vec3& end) const;
@@ -422,6 +433,14 @@ class Rewriter {
   void append_definition(std::string& to, const std::string& surface);
   void step_aside(const Vec3& wanted, Vec3& shift, std::string& before);
 
+  // rewriter_bracket.cpp: drilling cycles with their numbers in brackets, modal or called where they stand
+  void define_bracket(std::string& out);
+  bool bracket_allowed();
+  bool hole_allowed();
+  bool call_bracket(bool moves);
+  void run_bracket(std::string& out);
+  void set_levels(double shift, std::string& before);
+
   [[nodiscard]] int decimals_of(const Word* word) const { return decimals_of(word ? word->decimals : -1); }
   [[nodiscard]] int decimals_of(int written) const;  ///< those of the word; -1: there is none
   [[nodiscard]] double digit_room() const;
@@ -481,6 +500,7 @@ class Rewriter {
   bool saved_g92_ = false;
   bool offset_doubtful_ = false;  ///< the control may have dropped the tool offset
   bool smoothing_said_ = false;
+  bool way_said_ = false;  ///< that how the tool turns is left to machine data
   bool datum_dirty_ = true;
   std::vector<bool> frame_reported_;
 
@@ -507,13 +527,16 @@ class Rewriter {
     bool sure = false;       ///< the span is known
     bool modal = false;      ///< M89: every positioning block calls it
     bool each = false;       ///< in the output by an M99 of its own
+    std::optional<BracketCycle>
+        bracket;  ///< of a control with names; its surface stands in `definition`, too
   } hole_;
   bool drills_ = false;           ///< the block being executed calls it
   bool holds_ = false;            ///< the definition is not written yet: its Q203 may still be set
   std::string held_;              ///< what has been written since
   std::size_t held_from_ = 0;     ///< where the definition begins in it
+  std::size_t line_begin_ = 0;    ///< of the present line in the text it is written to, if that will be held
   std::string held_surface_;      ///< what Q203 becomes in it
-  std::size_t held_spelled_ = 0;  ///< bytes of its number there
+  std::size_t held_spelled_ = 0;  ///< bytes of its number (of the whole cycle in brackets) there
 
   /// Where a correction was larger than before, and what it was reckoned with.
   struct Extreme {

@@ -78,10 +78,11 @@ std::optional<Arc> Rewriter::nominal_arc(const Vec3& p0, const Vec3& p1) {
   } else {
     if (!wa && !wb)
       return bad("an arc without I J K and without R", "the path is not defined", "add the centre");
-    if (modal_.absolute_centre && (!wa || !wb))
-      return bad("G90.1 needs both centre words", "the path is not defined", "add the missing one");
-    ca = (wa ? wa->value * unit : 0.0) + (modal_.absolute_centre ? 0.0 : p0[a]);
-    cb = (wb ? wb->value * unit : 0.0) + (modal_.absolute_centre ? 0.0 : p0[b]);
+    if ((places_centre(a) || places_centre(b)) && (!wa || !wb))
+      return bad("a centre that is a place (G90.1, AC) needs both centre words", "the path is not defined",
+                 "add the missing one");
+    ca = (wa ? wa->value * unit : 0.0) + (places_centre(a) ? 0.0 : p0[a]);
+    cb = (wb ? wb->value * unit : 0.0) + (places_centre(b) ? 0.0 : p0[b]);
   }
   const auto arc = arc_about(modal_.plane, p0, p1, ca, cb, clockwise, turns);
   if (!arc) return bad("an arc of radius zero", "the path is not defined", "check the centre");
@@ -121,7 +122,8 @@ Rewriter::Value Rewriter::centre_value(int k, double centre, const Vec3& start, 
     return value_for(centre / modal_.unit(), nullptr, (k == 0 ? pole_out_->a : pole_out_->b) / modal_.unit(),
                      decimals);
   }
-  base = modal_.absolute_centre ? 0.0 : start[k];
+  // in blocks that are added no word stands between brackets
+  base = modal_.absolute_centre || (first && places_centre(k)) ? 0.0 : start[k];
   const double wanted = (centre - base) / modal_.unit();
   if (modal_.absolute_centre && !word) return {rounded(wanted, decimals_of(named)), true};
   return value_for(wanted, word, 0.0, decimals_of(named));
@@ -296,6 +298,10 @@ void Rewriter::take_up_on_arc(const Vec3& want, bool first, Vec3& p_out, std::st
     *extra += " G1";
     return command(want, false, p_out, extra);
   }
+  constexpr int kAxes = 3;  // the bits above are those of I J K
+  if (block_->places >> kAxes != 0)
+    refuse_block("E-REVERSAL", "lost motion must be taken up before an arc whose centre is in brackets (AC)",
+                 "its first block becomes a line", "post the centre with I and J");
   const Word* code = nullptr;
   for (int i = 0; i < block_->count; ++i) {
     const Word& word = block_->words[static_cast<std::size_t>(i)];

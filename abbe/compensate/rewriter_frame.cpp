@@ -145,9 +145,10 @@ bool Rewriter::mirror_frame(bool on) {
   return true;
 }
 
-// SCALE and MIRROR replace what stands (alone they end it), ASCALE comes on top of a shift.
+// SCALE and MIRROR replace what stands (alone they end it), ASCALE and AMIRROR come on top of a shift.
 bool Rewriter::stretch_frame() {
-  const bool scales = instruction_.zero != 685, anew = instruction_.zero != 684;
+  const GCode zero = instruction_.zero;
+  const bool scales = zero == 683 || zero == 684, anew = zero == 683 || zero == 685;
   if (anew) {
     const Vec3 reading = in_.p();
     if (in_.frames.turned()) {

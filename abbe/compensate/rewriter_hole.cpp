@@ -78,6 +78,11 @@ void Rewriter::keep_held(std::size_t begin, std::string& to, std::string& out) {
 }
 
 void Rewriter::release_hole(std::string& out) {
+  if (hole_.bracket && !held_surface_.empty()) {
+    held_.replace(held_from_, held_spelled_, held_surface_);
+    held_surface_.clear();
+    ++report_.blocks.rewritten;
+  }
   for (std::size_t at = held_from_; !held_surface_.empty() && at < held_.size();) {
     const std::size_t end = std::min(held_.find('\n', at), held_.size());
     const std::string_view words =
@@ -237,7 +242,7 @@ void Rewriter::drill(std::string& out, std::size_t begin) {
   Vec3 shift = present_shift();
   std::string before;
   if (!drill_at(*wanted, shift, before)) return;
-  const bool own_height = !hole_.span.from_start;  // in the definition
+  const bool own_height = !hole_.bracket && !hole_.span.from_start;  // in the definition
   const bool first_to_differ = own_height && hole_.modal && !hole_.each && wanted->norm() > kNoShift;
   if (first_to_differ && instruction_.cycle_call == 0 && !before.empty()) {
     refuse_block("E-CYCLE", "a hole behind M89 needs another height than those before it",
@@ -246,6 +251,7 @@ void Rewriter::drill(std::string& out, std::size_t begin) {
   }
   hole_.each = hole_.each || first_to_differ;
   if (hole_.each && hole_.modal && !call_once(out, begin)) return;
+  if (hole_.bracket) withheld_ &= ~4U;
   out.insert(begin, before);
   report_.lines_out += static_cast<std::uint64_t>(std::count(before.begin(), before.end(), '\n'));
   Vec3 end = in_.p();
@@ -280,7 +286,8 @@ bool Rewriter::call_once(std::string& out, std::size_t begin) {
 bool Rewriter::drill_at(const Vec3& wanted, Vec3& shift, std::string& before) {
   auto left = left_in_hole(shift);
   if (!left) return false;
-  const bool may_go = instruction_.motion < 0 || !instruction_.moves_axes;
+  const bool may_go = hole_.bracket ? !hole_.modal && modal_.motion == 0 && !modal_.incremental
+                                    : instruction_.motion < 0 || !instruction_.moves_axes;
   if (*left > interpolation_ || holds_) {
     if (!hole_.span.from_start) {
       set_surface(wanted.z() / modal_.unit(), before);
@@ -296,7 +303,11 @@ bool Rewriter::drill_at(const Vec3& wanted, Vec3& shift, std::string& before) {
   if (*left > job_.tolerance) {
     refuse_block("E-CYCLE", fmt::format("the correction changes by {:.2f} um inside this cycle", *left / um),
                  "the control makes the motions of the cycle itself, so it can only be shifted as a whole",
-                 "go to the hole with L X.. Y.. FMAX M99, post it as L, or allow more with --tolerance-um");
+                 hole_.bracket
+                     ? "go to the hole with G0 X.. Y.. behind MCALL, post it as G0 and G1, or allow more "
+                       "with --tolerance-um"
+                     : "go to the hole with L X.. Y.. FMAX M99, post it as L, or allow more with "
+                       "--tolerance-um");
     return false;
   }
   if (number_ == job_.trace_line)
@@ -315,6 +326,7 @@ std::string Rewriter::spelled_surface(double& number) const {
 // Q203 of the output becomes that of the original plus the shift, program units: in the definition while it
 // is not written, else in another one.
 void Rewriter::set_surface(double shift, std::string& before) {
+  if (hole_.bracket) return set_levels(shift, before);
   double number = hole_.definition.find(kSurface)->value + shift;
   const bool same = std::abs(number - hole_.surface_out) <= half_digit(decimals_of(nullptr));
   if (!same) {
@@ -358,7 +370,7 @@ void Rewriter::step_aside(const Vec3& wanted, Vec3& shift, std::string& before) 
     shift[k] = p_out[k] - in_.p()[k];
   }
   if (words.empty()) return;
-  before += "L" + words + " FMAX";
+  before += hole_.bracket ? "G0" + words : "L" + words + " FMAX";
   before += file_eol_.empty() ? std::string("\n") : file_eol_;
   out_.m = out_.frames.to_machine(p_out);
 }

@@ -324,6 +324,7 @@ bool Rewriter::zero_group(std::string& out, bool& done) {
     case 683:
     case 684:
     case 685:
+    case 686:
       return stretch_frame();
     case 920:
       return set_g92();

@@ -289,7 +289,8 @@ bool Rewriter::bends(const Move& move, const Stop& a, const Stop& b, double tole
 bool Rewriter::split_turn(const Move& move, const Stop& a, const Stop& b, int depth,
                           std::vector<Stop>& stops) {
   const bool bent = depth < kDeepest && bends(move, a, b, interpolation_);
-  if (bent && move.by_vector && machine_.control.vectors.between == VectorRule::Between::unstated) {
+  if (bent && move.by_vector && !says_how_it_turns() &&
+      machine_.control.vectors.between == VectorRule::Between::unstated) {
     refuse_block("E-VECTOR", "the correction bends along a block with the tool's direction",
                  "how the tool turns between its ends is not known, so it cannot be split",
                  "state vectors.between in [control] of the machine file, or allow more with "
@@ -377,7 +378,7 @@ void Rewriter::note_turning_gradient(const Vec3& meant, const Vec3& done) {
 
 bool Rewriter::turn(const Move& move, std::string& out) {
   const bool feed = instruction_.motion == 10;
-  if (feed && !feed_allowed(move)) return false;
+  if (feed && (!feed_allowed(move) || !turns_as_followed(move))) return false;
   if (withheld_ != 0 && feed) {
     refuse_block("E-POS", "a turning feed move while an axis stands where G53 put it",
                  "its correction is not in force", "command X, Y and Z in the work offset first");

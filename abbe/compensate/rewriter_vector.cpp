@@ -31,6 +31,12 @@ bool Rewriter::vector_words_allowed() {
            "what the control makes of it then is not known", "switch it on before (G43.5, TRAORI)");
     return false;
   }
+  if (modal_.turn_codes.frame == TurnCodes::Frame::machine ||
+      instruction_.turn_codes.frame == TurnCodes::Frame::machine) {
+    refuse(first, "E-VECTOR", "the tool's direction while ORIMKS is in force",
+           "whether it is then a direction of the machine is not sure", "write ORIWKS before");
+    return false;
+  }
   if (modal_.incremental || instruction_.distance == 910) {
     refuse(first, "E-VECTOR", "the tool's direction in G91",
            "whether it is added to the last one is not known", "post such blocks in G90");

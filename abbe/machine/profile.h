@@ -97,6 +97,7 @@ enum class Meaning : std::uint8_t {
   frame_scale,
   frame_scale_further,
   frame_mirror,
+  frame_mirror_further,
   // frames of a group of their own: G51 and G50, G51.1 and G50.1, G68.2 and G53.1
   scale,
   scale_off,
@@ -115,6 +116,14 @@ enum class Meaning : std::uint8_t {
   datum_scale_evenly,
   tcp_on,
   tcp_off,
+  // how rotary axes go from end to end: ORIWKS ORIMKS, ORIAXES ORIVECT
+  turns_of_workpiece,
+  turns_of_machine,
+  axes_evenly,
+  tool_evenly,
+  // CYCLE81(..), MCALL
+  bracket_cycle,
+  modal_call,
   // M codes
   stop,
   end,
@@ -291,6 +300,8 @@ struct Profile {
   bool home_beside_motion = false;
   bool feed_of_linear =
       true;  ///< beside turning axes F is of the linear ones where these move; false: not sure
+  bool turns_evenly = true;       ///< with tool centre point control each rotary axis goes evenly from end to
+                                  ///< end; false: ORIAXES ORIVECT ORIMKS ORIWKS say, else it is not sure
   bool rapid_straight = true;     ///< rapids go straight; else their path is the control's
   bool arc_centre_switch = true;  ///< arcs may have absolute centres (a code says so)
   double block_time = 0;  ///< a feed block that lasts shorter starves the control, s; 0: not known, no limit

@@ -135,10 +135,12 @@ void read_states(const TomlNode& root, Profile& profile, Findings& findings) {
   offsets.choice("l20", "reads", "further", profile.offsets.l20_reads);
   offsets.choice("p0", "active", "external", profile.offsets.p0_active);
   const Section motion(root, "motion",
-                       {"home_beside_motion", "rapid_straight", "rotary_feed", "block_time_ms"}, findings);
+                       {"home_beside_motion", "rapid_straight", "rotary_feed", "turning", "block_time_ms"},
+                       findings);
   motion.flag("home_beside_motion", profile.home_beside_motion);
   motion.flag("rapid_straight", profile.rapid_straight);
   motion.choice("rotary_feed", "linear", "unsure", profile.feed_of_linear);
+  motion.choice("turning", "evenly", "codes", profile.turns_evenly);
   double milliseconds = profile.block_time * 1e3;
   motion.positive("block_time_ms", milliseconds);
   profile.block_time = milliseconds / 1e3;

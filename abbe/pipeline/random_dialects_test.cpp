@@ -168,6 +168,7 @@ class DialectWriter {
   }
   void cycle() {
     mode(false);
+    if (style_.names) return brackets();
     const double r = round(at_.z() - random_.between(0, 3)), z = round(r - 4);
     const char* const cycles[] = {"G81", "G82 P100", "G85", "G73 Q2.", "G83 Q2."};
     const char* code = cycles[random_.below(5)];
@@ -180,6 +181,22 @@ class DialectWriter {
       at_.x() += 1.5 * unit();
     }
     text_ += fmt::format("G80\nG98\nG0 {}\n", word('Z', at_.z()));
+  }
+  /// Holes of a control with names: one where the tool stands, two or three behind a modal call.
+  void brackets() {
+    const double top = round(at_.z() - random_.between(0, 3)), deep = random_.between(2, 8);
+    const char* const cycles[] = {"CYCLE81({},{},1,{}{})", "CYCLE82({},{},1,{},{},0.1)",
+                                  "CYCLE83({},{},1,{},{},,1,0,,,1,1)", "CYCLE85({},{},1,{},{},0,200,400)"};
+    const std::string clear = number(at_.z() + 1), surface = number(top), depth = number(top - deep);
+    const std::string call = fmt::format(fmt::runtime(cycles[random_.below(4)]), clear, surface, depth, "");
+    text_ += "G0\n";
+    if (random_.chance(0.4)) text_ += call + "\n";
+    text_ += fmt::format("MCALL {}\n", call);
+    for (int i = 0; i < 2 + random_.below(2); ++i) {
+      at_.x() = round(std::clamp(at_.x() + random_.between(-80, 80), -250.0, 250.0));
+      text_ += word('X', at_.x()) + "\n";
+    }
+    text_ += fmt::format("MCALL\nG0 {}\n", word('Z', at_.z()));
   }
   void rotation() {
     mode(false);
@@ -264,7 +281,7 @@ INSTANTIATE_TEST_SUITE_P(
                       Style{"fanuc", true, true, true, true, true, "G54.1", 'K', 0.0, true},
                       Style{"haas", true, true, true, true, true, "G154", 'L', 0.3, false},
                       Style{"grbl", false, false, false, false, false, "", 0, 0.3, false},
-                      Style{"siemens", false, false, true, true, true, "", 0, 0.3, false, true},
+                      Style{"siemens", false, true, true, true, true, "", 0, 0.3, false, true},
                       Style{"grblhal", false, true, false, false, false, "", 0, 0.0, false}),
     [](const auto& test) {
       return std::string(test.param.dialect) + (test.param.increments ? "_increments" : "");

@@ -45,10 +45,12 @@ struct Block {
   enum class Pole : std::uint8_t { none, set, used };
   Pole pole = Pole::none;
   std::uint8_t increments = 0;  ///< axes whose word is a distance (IX), bits 0 1 2 = X Y Z
-  std::uint8_t places = 0;      ///< axes whose word is a place in G91, too (X=AC(5)), bits 0 1 2 = X Y Z
+  std::uint8_t places = 0;      ///< words that are places whatever the mode (X=AC(5)), bits 0 to 5 = X Y Z I J K
   bool continues = false;       ///< the line belongs to the block of the line before
   std::int16_t cycle = 0;       ///< the line is part of the definition of this drilling cycle
   bool defines = false;         ///< and its first one
+  std::string_view brackets;    ///< the cycle with its numbers: "CYCLE81(50, 0, 2, -20)"
+  bool modal_call = false;      ///< MCALL stands before it, or alone
   bool tool_data = false;       ///< TOOL DEF with the length L and radius R of tool T
   /// Subprograms: LBL 1, CALL LBL 1, LBL 0; `label` is what stands behind LBL.
   enum class Flow : std::uint8_t { none, label, call, end };

@@ -28,6 +28,9 @@ enum Group : std::uint8_t {
   spindle,
   lathe,
   rotation,
+  turn_frame,
+  turn_way,
+  bracket,
   kGroups
 };
 
@@ -111,6 +114,7 @@ inline constexpr Role kRoles[] = {
     {Meaning::frame_scale, zero, 683},
     {Meaning::frame_scale_further, zero, 684},
     {Meaning::frame_mirror, zero, 685},
+    {Meaning::frame_mirror_further, zero, 686},
     {Meaning::transformation_off, loose, 0},
     {Meaning::smoothing, loose, 1},
     {Meaning::copy, loose, 0},
@@ -120,6 +124,12 @@ inline constexpr Role kRoles[] = {
     {Meaning::frame_turn_further, zero, 682},
     {Meaning::tcp_on, loose, 0},
     {Meaning::tcp_off, loose, 0},
+    {Meaning::turns_of_workpiece, turn_frame, static_cast<GCode>(TurnCodes::Frame::workpiece)},
+    {Meaning::turns_of_machine, turn_frame, static_cast<GCode>(TurnCodes::Frame::machine)},
+    {Meaning::axes_evenly, turn_way, static_cast<GCode>(TurnCodes::Way::axes)},
+    {Meaning::tool_evenly, turn_way, static_cast<GCode>(TurnCodes::Way::tool)},
+    {Meaning::bracket_cycle, bracket, 0},
+    {Meaning::modal_call, loose, 0},
 };
 
 constexpr std::array<Role, kMeanings> make_roles() {

@@ -176,8 +176,15 @@ void Reading::put_in_force(const Role& role, const CodeUse& use) {
     case path:
       out.path_control = true;
       break;
+    case turn_frame:
+      out.turn_codes.frame = static_cast<TurnCodes::Frame>(role.code);
+      break;
+    case turn_way:
+      out.turn_codes.way = static_cast<TurnCodes::Way>(role.code);
+      break;
     case loose:
       out.smooths = out.smooths || use.meaning == Meaning::smoothing;
+      out.ends_call = out.ends_call || use.meaning == Meaning::modal_call;
       out.ends_scale = out.ends_scale || use.meaning == Meaning::scale_off;
       out.ends_mirror = out.ends_mirror || use.meaning == Meaning::mirror_off;
       out.exact_stop = out.exact_stop || use.meaning == Meaning::exact_stop_once;
@@ -213,7 +220,7 @@ bool Reading::note_m(const Word& word) {
 
 bool axis_words_taken(GCode zero_code) {
   return zero_code == 100 || zero_code == 280 || zero_code == 300 || (zero_code >= 520 && zero_code <= 522) ||
-         (zero_code >= 683 && zero_code <= 685) || zero_code == 920;
+         (zero_code >= 683 && zero_code <= 686) || zero_code == 920;
 }
 
 /// The axis words of the block are of the frame.
@@ -223,9 +230,9 @@ bool takes_words(FrameChange frame) {
          frame == FrameChange::datum_scale;
 }
 
-/// TRANS, ATRANS, ROT, AROT, SCALE, ASCALE, MIRROR.
+/// TRANS, ATRANS, ROT, AROT, SCALE, ASCALE, MIRROR, AMIRROR.
 bool makes_frame(GCode zero_code) {
-  return zero_code == 521 || zero_code == 522 || (zero_code >= 681 && zero_code <= 685);
+  return zero_code == 521 || zero_code == 522 || (zero_code >= 681 && zero_code <= 686);
 }
 
 const char* letter_code(char letter) {
@@ -506,6 +513,8 @@ void apply_modal(const Block& block, const Instruction& in, ModalState& state) {
   if (in.plane >= 0) state.plane = in.plane == 170 ? Plane::xy : in.plane == 180 ? Plane::zx : Plane::yz;
   if (in.units >= 0) state.inch = in.units == 200;
   if (in.tcp >= 0) state.vectors = in.vectors;
+  if (in.turn_codes.frame != TurnCodes::Frame::unsaid) state.turn_codes.frame = in.turn_codes.frame;
+  if (in.turn_codes.way != TurnCodes::Way::unsaid) state.turn_codes.way = in.turn_codes.way;
   if (in.distance >= 0) state.incremental = in.distance == 910;
   if (in.arc_distance >= 0) state.absolute_centre = in.arc_distance == 901;
   if (in.retract >= 0) state.retract_to_r = in.retract == 990;

@@ -29,6 +29,12 @@ enum class Plane : std::uint8_t { xy, zx, yz };
   }
 }
 
+/// What a program has said of how its tool turns from end to end of a block (ORIMKS ORIWKS, ORIAXES ORIVECT).
+struct TurnCodes {
+  enum class Frame : std::uint8_t { unsaid, workpiece, machine } frame = Frame::unsaid;
+  enum class Way : std::uint8_t { unsaid, axes, tool } way = Way::unsaid;
+};
+
 /// What stays in force from block to block.
 struct ModalState {
   GCode motion = 800;  ///< G0 G1 G2 G3, a cycle, or G80
@@ -49,6 +55,7 @@ struct ModalState {
   bool edge_stated = true;               ///< and it is
   bool stated = true;                    ///< all of these
   bool vectors = false;                  ///< I J K of lines and rapids are the tool's direction (G43.5)
+  TurnCodes turn_codes;                  ///< how rotary axes go from end to end
   std::span<const TcpCode> tcp_codes{};  ///< codes of this control that switch tool centre point control
   [[nodiscard]] double unit() const { return inch ? 25.4 : 1.0; }
 };
@@ -96,6 +103,7 @@ struct Instruction {
         retract = -1;
   GCode cutter = -1;        ///< G40, G41 G42, 411 421: D is the diameter
   bool dwell_by_f = false;  ///< F is the time of a dwell, no feed
+  TurnCodes turn_codes;     ///< those of this block
   FrameChange frame = FrameChange::none;
   bool ends_scale = false, ends_mirror = false;  ///< G50, G50.1, if one is in force
   LetterSet motion_words = 0;
@@ -106,11 +114,12 @@ struct Instruction {
   bool set_tool = false;      ///< M61 Q
   std::int8_t flow = 0;       ///< 1: a subprogram is called, 2: one ends
   std::int8_t cycle_call =
-      0;                  ///< a drilling cycle is called: 1: here (M99, CYCL CALL), 2: from here on (M89)
-  bool retracts = false;  ///< M140
-  std::int8_t way = 0;    ///< rotary axes go 1: the shortest way (M126), 2: as the numbers say (M127)
-  bool ends = false;      ///< M2 M30
-  bool after = false;     ///< a code acts when the motion is done: M0 M1 M2 M30, on some controls M5 M9, G9
+      0;                   ///< a drilling cycle is called: 1: here (M99, CYCL CALL), 2: from here on (M89)
+  bool ends_call = false;  ///< MCALL alone
+  bool retracts = false;   ///< M140
+  std::int8_t way = 0;     ///< rotary axes go 1: the shortest way (M126), 2: as the numbers say (M127)
+  bool ends = false;       ///< M2 M30
+  bool after = false;      ///< a code acts when the motion is done: M0 M1 M2 M30, on some controls M5 M9, G9
 
   [[nodiscard]] const Word* find(const Block& block, char letter) const {
     const int i = word[static_cast<std::size_t>(letter - 'A')];

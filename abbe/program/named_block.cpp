@@ -6,11 +6,13 @@
 #include <string>
 
 #include "abbe/core/number.h"
+#include "abbe/program/bracket_cycle.h"
 
 namespace abbe {
 namespace {
 
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+constexpr int kCentres = 3;  // of Block::places: I J K
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 constexpr char capital(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
 constexpr bool is_letter(char c) { return capital(c) >= 'A' && capital(c) <= 'Z'; }
@@ -106,13 +108,14 @@ class NamedLine {
     return read_letter(name[0], begin, begin + 1);
   }
 
-  /// "IC(5)", "AC(5)" of X Y Z: this word alone is a distance, or a place. nullopt: neither.
+  /// "IC(5)" of X Y Z, "AC(5)" also of I J K: this word alone is a distance, or a place. nullopt: neither.
   [[nodiscard]] std::optional<bool> states_distance(char letter, std::size_t at) const {
-    const bool known =
-        letter >= 'X' && letter <= 'Z' && at + 2 < text_.size() && capital(text_[at + 1]) == 'C';
+    const bool axis = letter >= 'X' && letter <= 'Z', centre = letter >= 'I' && letter <= 'K';
+    const bool known = (axis || centre) && at + 2 < text_.size() && capital(text_[at + 1]) == 'C';
     if (!known || next_after_blanks(at + 2) != '(') return std::nullopt;
     const char kind = capital(text_[at]);
-    return kind == 'I' ? std::optional(true) : kind == 'A' ? std::optional(false) : std::nullopt;
+    if (kind == 'A') return false;
+    return axis && kind == 'I' ? std::optional(true) : std::nullopt;
   }
   std::optional<BlockError> read_stated(char letter, bool distance, std::size_t begin, std::size_t at) {
     std::size_t number_at = text_.find('(', at) + 1;
@@ -123,7 +126,8 @@ class NamedLine {
       return expression(begin, std::min(end + 1, text_.size()) - begin, text_.substr(begin, end - begin));
     auto error = add(letter, begin, number_at, end, number.value, number.decimals);
     auto& axes = distance ? block_.increments : block_.places;
-    axes = static_cast<std::uint8_t>(axes | 1u << (letter - 'X'));
+    const int bit = letter >= 'X' ? letter - 'X' : kCentres + letter - 'I';
+    axes = static_cast<std::uint8_t>(axes | 1u << bit);
     at_ = text_.find(')', end) + 1;
     block_.words_end = static_cast<std::uint16_t>(at_);
     return error;
@@ -199,6 +203,11 @@ class NamedLine {
                         "remove it, or post without it"};
     }
     turns_ = use.meaning == Meaning::frame_turn || use.meaning == Meaning::frame_turn_further;
+    if (use.meaning == Meaning::modal_call) block_.modal_call = true;
+    if (use.meaning == Meaning::bracket_cycle) {
+      block_.cycle = static_cast<std::int16_t>(bracket_cycle_number(keyword.name));
+      block_.brackets = text_.substr(begin, last - begin);
+    }
     return add('G', begin, begin, last, static_cast<double>(keyword.index) / 10, 0);
   }
 
@@ -273,6 +282,8 @@ class NamedLine {
 }  // namespace
 
 std::optional<BlockError> read_named_block(std::string_view line, const Profile& profile, Block& block) {
+  block.cycle = 0;
+  block.modal_call = false;
   if (auto error = begin_block(line, block)) return error;
   return NamedLine(profile, block).read();
 }

@@ -45,8 +45,9 @@ struct Continued {
 /// The words of one block, before any meaning. Arrays are valid only where a bit says so, so that
 /// clearing a block costs four stores.
 struct Block {
-  /// LinuxCNC's modal groups of G codes; 11 holds frames, 16 and 17 the ends of a scale and a mirror.
-  static constexpr int kGroups = 18;
+  /// LinuxCNC's modal groups of G codes; 11 holds frames, 16 and 17 the ends of a scale and a mirror,
+  /// 18 and 19 how the tool turns between blocks, 20 a cycle with brackets.
+  static constexpr int kGroups = 21;
   static constexpr int kRetracts = 1;           ///< M group: M140
   static constexpr int kWays = 2;               ///< M group: M126 M127, how rotary axes turn
   static constexpr int kCalls = 3;              ///< M group: M99 M89, calls of a drilling cycle
@@ -88,7 +89,7 @@ struct Block {
   std::string_view frame_text;   ///< of a code of group 11 that is a word, with its brackets
   std::string_view tool_name;    ///< T="..", without quotes; the T word is then 0
   std::uint32_t increments = 0;  ///< axes whose word is a distance by itself (IX), bits 0 1 2 = X Y Z
-  std::uint32_t places = 0;      ///< axes whose word is a place in G91, too (X=AC(5))
+  std::uint32_t places = 0;      ///< words that are places whatever the mode (X=AC(5)); bits 3 4 5 = I J K
   enum class Pole : std::uint8_t { none, set, used };
   Pole pole = Pole::none;    ///< CC X Y: sets the centre of the arcs that follow; C: goes about it
   HoleWords hole;            ///< Q words of a drilling cycle that this line (hole.cycle != 0) defines

@@ -108,7 +108,7 @@ bool Control::execute(const Block& block, Fault& fault) {
   motion_code_ = -1;
   covets_ = false;
   if (block.pole == Block::Pole::set) return set_pole();
-  if (block.hole.cycle != 0) return define_hole();
+  if (block.hole.cycle != 0) return profile_.text.conversational ? define_hole() : define_bracket();
   if (block.tool_data) return check_tool();
   if (block.flow != Block::Flow::none) {
     add_comments();  // LBL is a text; the reader goes where it says
@@ -140,7 +140,7 @@ bool Control::execute_settled() {
   const bool words_of_axes = block.words != 0 && (block.words & ~kAxisLetters) == 0;
   if (words_of_axes && (block.g_groups | block.m_groups) == 0 &&
       (block.comment_count | block.extra_count) == 0 && block.tcp_code < 0 && block.places == 0 &&
-      (mode_ == 0 || mode_ == 10)) {
+      (mode_ == 0 || mode_ == 10) && !drills_always_) {
     motion_code_ = mode_;
     return move();
   }
@@ -176,7 +176,7 @@ bool Control::choose_motion() {
   const bool turns =
       frame == 680 || frame == 682 || (frame >= 510 && frame <= 513) || (b.g_code(17) >= 0 && axis_words);
   const bool takes_axes = group0 == 100 || group0 == 280 || group0 == 300 ||
-                          (group0 >= 520 && group0 <= 522) || (group0 >= 683 && group0 <= 685) ||
+                          (group0 >= 520 && group0 <= 522) || (group0 >= 683 && group0 <= 686) ||
                           group0 == 920 || times_by_x || turns;
   const bool turns_anew = group0 == 681 || group0 == 682;  // ROT, AROT
   if (takes_axes || offset_words || group0 >= 921 || turns_anew) {
@@ -269,7 +269,7 @@ bool Control::settings() {
     if (!use_all(b.g_words[0])) return false;
     add(EventKind::g_code, 40, b.g_words[0]);
   }
-  return extras(false);
+  return extras(false) && ends_modal_call();
 }
 
 bool Control::m_codes() {
@@ -365,6 +365,7 @@ bool Control::modes() {
   if (const int code = change(4); code >= 0) absolute_centres_ = code == 901;
   if (const int code = change(10); code >= 0) retracts_to_r_ = code == 990;
   change(15);
+  note_turn_codes();
   return true;
 }
 
@@ -456,6 +457,7 @@ bool Control::non_modal() {
     case 683:
     case 684:
     case 685:
+    case 686:
       return stretch(block_->g_code(0));
     case 520:
     case 920:

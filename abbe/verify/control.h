@@ -157,8 +157,15 @@ class Control {
   bool check_tool();
   bool ways_agree();
   bool retract();
+  static constexpr int kOnceHere = 99;
   bool drill();
   bool may_drill(int call);
+  bool run_hole();
+  // control_bracket.cpp
+  [[nodiscard]] bool names_modal_call() const;
+  bool ends_modal_call();
+  bool define_bracket();
+  bool bracket_may_run();
   // control_cutter.cpp
   bool cutter_permits();
   bool switch_cutter(int code);
@@ -174,6 +181,11 @@ class Control {
   void forget_turns();
   bool switch_tcp(bool on);
   [[nodiscard]] bool turns_known() const;
+  // control_between.cpp
+  void note_turn_codes();
+  [[nodiscard]] bool axes_go_evenly() const;
+  [[nodiscard]] bool one_way(const Turns& from, const Turns& to) const;
+  bool way_is_sure();
 
   // What the block being executed says.
   const Block* block_ = nullptr;
@@ -217,6 +229,8 @@ class Control {
   bool scaled_by_one_ = false;  ///< the scale in force has one factor for all axes
   bool on_plane_ = false;       ///< the rotary axes stand on the tilted plane in force
   bool tcp_ = false;
+  /// Meanings of the codes given last (ORIWKS ORIMKS; ORIAXES ORIVECT); unknown: none was.
+  Meaning turns_of_ = Meaning::unknown, turning_ = Meaning::unknown;
   bool directs_by_centre_words_ = false;  ///< I J K of a straight motion are the tool's direction
   bool edge_stated_;  ///< which tool offset is in force does not depend on the control's settings
 

@@ -208,16 +208,16 @@ bool Control::swivel() {
   return laid_by_words_ || lay_tool(side);
 }
 
-/// SCALE, ASCALE and MIRROR: about the zero of the frame. SCALE and MIRROR put an end to what was there.
+/// SCALE, ASCALE, MIRROR and AMIRROR: about the zero of the frame. SCALE and MIRROR put an end to what was there.
 bool Control::stretch(int code) {
   const Block& b = *block_;
   constexpr Letters words = letters('X', 'Y', 'Z');
-  const bool scales = code != 685;
+  const bool scales = code == 683 || code == 684, replaces = code == 683 || code == 685;
   if (b.g_code(1) >= 0 || b.g_code(12) >= 0 || b.g_code(8) >= 0 || b.g_code(11) >= 0 || b.has('D') ||
       b.tcp_code >= 0 || (b.words & letters('A', 'B', 'C')) != 0)
     return refuse(b.g_column[0], "E-BLOCK", "a frame beside other codes", "their order is not defined",
                   "use two blocks");
-  if (code != 684) {
+  if (replaces) {
     const Vec3 zero = zero_of(frames_);
     end_stretch();
     frames_.g92 = Vec3::Zero();

@@ -81,9 +81,10 @@ bool Control::retract() {
 bool Control::may_drill(int call) {
   const Block& b = *block_;
   const auto bad = [&](const char* code, const char* what, const char* why) {
-    return refuse(1, code, what, why, "call each cycle with M99 behind L X.. Y.. FMAX");
+    return refuse(1, code, what, why, "call each cycle behind a rapid to X.. Y..");
   };
   if (hole_words_.cycle == 0) return bad("E-CYCLE", "a call without a cycle", "the control has none to run");
+  if (!profile_.text.conversational && !bracket_may_run()) return false;
   if (moves_ && motion_.kind != MotionKind::rapid && motion_.kind != MotionKind::line)
     return bad("E-CYCLE", "a call beside an arc or a move home", "where it drills is not sure");
   constexpr std::uint32_t calls = 1u << Block::kCalls;
@@ -92,6 +93,8 @@ bool Control::may_drill(int call) {
   if (late)
     return bad("E-AUX", "a call beside a code that acts behind the motion", "their order is not sure");
   const Placement::Kind kind = frames_.placement.kind;
+  if (!profile_.text.conversational && frames_.placement.on())
+    return bad("E-CYCLE", "a cycle in a tilted plane, scaled or mirrored", "its axis is not sure");
   const bool aside = hole_words_.cycle == 202 || hole_words_.cycle == 204;
   if (kind == Placement::Kind::scale || (kind == Placement::Kind::mirror && aside))
     return bad("E-CYCLE", "a cycle in a scaled frame, or a bore in a mirrored one",
@@ -99,10 +102,11 @@ bool Control::may_drill(int call) {
   if (kind == Placement::Kind::plane && !on_plane_)
     return bad("E-CYCLE", "a cycle on a plane where the tool does not stand yet", "its axis is not sure");
   if (tcp_ && !on_plane_) return bad("E-TCP", "a cycle while the tip is controlled", "its axis is not sure");
-  const bool always = drills_always_ || call != 99;
+  const bool always = drills_always_ || call != kOnceHere;
   const bool sideways = moves_ && motion_.kind == MotionKind::rapid && (motion_.named & 3u) != 0;
   if (always && !sideways)
-    return bad("E-CYCLE", "M89 beside another block than L X.. Y.. FMAX", "it may drill there or not");
+    return bad("E-CYCLE", "M89 or MCALL beside another block than a rapid in X or Y",
+               "it may drill there or not");
   return m_.known == kAllAxes
              ? frame_known()
              : bad("E-POS", "a cycle where an axis is not known", "the hole cannot be compared");
@@ -113,17 +117,22 @@ bool Control::drill() {
   const int call = block_->m_code(Block::kCalls);
   if (call < 0 && !(drills_always_ && moves_)) return true;
   if (!may_drill(call)) return false;
+  drills_always_ = call == kCallAlways || (drills_always_ && call < 0);
+  if (moves_) motion_.to_hole = motion_.kind == MotionKind::rapid;
+  return run_hole();
+}
+
+/// The hole below where the tool stands.
+bool Control::run_hole() {
   std::string fault;
   const auto place = place_of(hole_words_, fault);
   if (!place) return refuse(1, "E-CYCLE", fault, "where the tool goes is not sure", "complete the cycle");
-  drills_always_ = call == kCallAlways || (drills_always_ && call < 0);
-  if (moves_) motion_.to_hole = motion_.kind == MotionKind::rapid;
   motion_.with_height = place->from_tool;
-
   drills_ = true;
   hole_ = Motion{};
   hole_.kind = MotionKind::cycle;
-  hole_.code = 10 * hole_words_.cycle;
+  constexpr int with_brackets = 1000;  // their numbers are those of G codes
+  hole_.code = 10 * (hole_words_.cycle + (profile_.text.conversational ? 0 : with_brackets));
   hole_.start = m_;
   hole_.tcp = tcp_;
   hole_.turns_start = hole_.turns_end = turns_;

@@ -102,6 +102,7 @@ bool Control::straight() {
   const bool turns = (block_->words & letters('A', 'B', 'C')) != 0;
   if (turns && !read_turns(block_->g_code(0) == 530)) return false;
   if (direction_named() && !read_direction(block_->g_code(0) == 530)) return false;
+  if (motion_code_ != 0 && motion_.turns() && !way_is_sure()) return false;
   if (block_->g_code(0) == 530) {
     if (tcp_ && (motion_.named | motion_.named_turns) != 0)
       return refuse(block_->g_column[0], "E-TCP", "machine coordinates while tool centre point control is on",
@@ -215,15 +216,18 @@ bool Control::arc_centre(const Vec3& start, const Vec3& end, int a, int b, Vec3&
                   by_radius ? "centre words and R in one arc" : "arc without centre words and without R",
                   "its centre is not defined", "give either the centre or R");
   if (!by_radius) {
-    if (absolute_centres_ && !(has_a && has_b))
-      return refuse(1, "E-ARC", "absolute centre (G90.1) with one centre word", "both coordinates are needed",
-                    "give both");
+    const auto is_place = [&](int axis) {
+      return absolute_centres_ || (block_->places >> (3 + axis) & 1) != 0;
+    };
+    if ((is_place(a) || is_place(b)) && !(has_a && has_b))
+      return refuse(1, "E-ARC", "absolute centre (G90.1, AC) with one centre word",
+                    "both coordinates are needed", "give both");
     for (const int axis : {a, b}) {
       const char letter = centre_letter(axis);
       if (!block_->has(letter)) continue;
       if (!use(letter)) return false;
       centre[axis] =
-          absolute_centres_ ? length_word(letter) + frames_.g92[axis] : start[axis] + length_word(letter);
+          is_place(axis) ? length_word(letter) + frames_.g92[axis] : start[axis] + length_word(letter);
     }
     return true;
   }

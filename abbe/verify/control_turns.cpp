@@ -90,6 +90,8 @@ bool Control::read_direction(bool machine_words) {
     direction[i] = (*block_)[letter];
     motion_.turn_words[static_cast<std::size_t>(i)] = direction[i];
   }
+  if (turns_of_ == Meaning::turns_of_machine)
+    return refuse_it("a direction of the tool while ORIMKS may make it one of the machine");
   const auto& offsets = frames_.system().turns;
   const bool offset = std::any_of(offsets.begin(), offsets.end(), [](double o) { return o != 0; });
   if (motion_.named_turns != 0) return refuse_it("a direction of the tool beside angles of rotary axes");

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace abbe::verifying {
 namespace {
@@ -13,6 +14,8 @@ namespace {
 constexpr std::int16_t kOf1[] = {1, 2, 3, 4, 5};  // set-up, depth, pecking depth, dwell, feed
 constexpr std::int16_t kOf2[] = {1, 2, 3, 4};     // set-up, depth, dwell, feed
 constexpr std::int16_t kOf17[] = {1, 2, 3};       // set-up, depth, pitch
+constexpr double kSameHeight = 1e-9;  // differences of places, rounded
+
 constexpr std::int16_t kOf200[] = {200, 201, 202, 203, 204, 206, 210, 211, 395};
 constexpr std::int16_t kOf201[] = {200, 201, 203, 204, 206, 208, 211};
 constexpr std::int16_t kOf202[] = {200, 201, 203, 204, 206, 208, 211, 214, 336};
@@ -112,6 +115,9 @@ std::optional<HolePlace> place_of(const HoleWords& words, std::string& fault) {
       back_bore ? -(need(250) + std::max(0.0, need(252)) + set_up) : need(201);  // from the surface
   if (words.cycle == 208) place.reach = need(335) / 2;
   if (back_bore) place.reach = need(251);
+  constexpr int fine_bore = 86, first_step = 308, second_step = 309;  // RPA, RPO
+  if (words.cycle == fine_bore)
+    place.reach = std::hypot(words.find(first_step).value_or(0), words.find(second_step).value_or(0));
   if (!complete) return std::nullopt;
   const bool second_unsure = second != 0 && second < set_up;
   const bool lengths = set_up >= 0 && depth < 0 && place.reach >= 0 &&
@@ -133,7 +139,7 @@ bool same_hole(const HoleWords& a, const HoleWords& b) {
   for (int i = 0; i < a.count; ++i) {
     const auto k = static_cast<std::size_t>(i);
     const auto other = b.find(a.name[k]);
-    if (!other || (a.name[k] != kSurfaceQ && *other != a.value[k])) return false;
+    if (!other || (a.name[k] != kSurfaceQ && !(std::abs(*other - a.value[k]) <= kSameHeight))) return false;
   }
   return true;
 }

@@ -8,13 +8,13 @@
 
 namespace abbe::verifying {
 
-/// A drilling cycle of a conversational program as its Q words say it (CYCL DEF 200 to 209), or its lines (1, 2,
-/// 17; line 1.3 has the name 3): what the control remembers until it is called. Written apart from the
-/// rewriter's.
+/// A drilling cycle of a conversational program as its Q words say it (CYCL DEF 200 to 209), or its lines (1,
+/// 2, 17; line 1.3 has the name 3), or one with brackets (CYCLE81 to 89, 840) put into such words: what the
+/// control remembers until it is called. Written apart from the rewriter's.
 struct HoleWords {
-  static constexpr int kMost = 20;
+  static constexpr int kMost = 28;
   static constexpr double kFeedOfProgram = -1, kRapid = -2;  ///< feeds that are words: FAUTO, FMAX
-  int cycle = 0;                            ///< 0: none
+  int cycle = 0;                                             ///< 0: none
   int count = 0;
   std::array<std::int16_t, kMost> name;  ///< 203 of Q203
   std::array<double, kMost> value;       ///< program units
@@ -41,7 +41,7 @@ struct HolePlace {
 /// errors   nothing, `fault` says why: a word is missing, or its value leaves the motion to the control
 [[nodiscard]] std::optional<HolePlace> place_of(const HoleWords& words, std::string& fault);
 
-/// All words are equal but the place of the surface.
+/// All words are equal but the place of the surface; heights that count from it to rounding.
 [[nodiscard]] bool same_hole(const HoleWords& a, const HoleWords& b);
 
 }  // namespace abbe::verifying

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "abbe/core/number.h"
+#include "abbe/verify/bracket_words.h"
 #include "abbe/verify/word_taker.h"
 
 namespace abbe::verifying {
@@ -101,12 +102,13 @@ class NamedScanner : public WordTaker {
     return number_word(name[0], begin);
   }
 
-  /// X=IC(..) counts from where the axis stands, X=AC(..) from zero, whatever G90 and G91 say.
+  /// X=IC(..) counts from where the axis stands, X=AC(..) and I=AC(..) from zero, whatever G90 and G91 say.
   bool stated_word(char letter, std::size_t begin) {
     char kind = 0, second = 0;
     const bool function = is_capital_of(at(at_), kind) && is_capital_of(at(at_ + 1), second);
     const std::size_t open = behind_blanks(at_ + 2);
-    if (!function || second != 'C' || (kind != 'I' && kind != 'A') || at(open) != '(')
+    const bool axis = letter >= 'X';
+    if (!function || second != 'C' || (kind != 'A' && !(axis && kind == 'I')) || at(open) != '(')
       return not_literal(begin, at_);
     at_ = open + 1;
     leave_blanks();
@@ -117,7 +119,8 @@ class NamedScanner : public WordTaker {
     at_ = close + 1;
     const bool first =
         block_.words == 0 && block_.g_groups == 0 && block_.m_groups == 0 && block_.extra_count == 0;
-    (kind == 'I' ? block_.increments : block_.places) |= 1u << (letter - 'X');
+    const int bit = axis ? letter - 'X' : 3 + letter - 'I';
+    (kind == 'I' ? block_.increments : block_.places) |= 1u << bit;
     return value_word(letter, number.value, begin + 1, first);
   }
 
@@ -147,7 +150,8 @@ class NamedScanner : public WordTaker {
     }
     if (behind_turn_ && letter == 'Z') letter = 'R';  // ROT Z90 in G17: as ROT RPL=90
     const Decimal number = read_decimal(rest());
-    if (number.length == 0 && letter >= 'X' && letter <= 'Z') return stated_word(letter, begin);
+    const bool may_state = (letter >= 'X' && letter <= 'Z') || (letter >= 'I' && letter <= 'K');
+    if (number.length == 0 && may_state) return stated_word(letter, begin);
     if (number.length == 0) return not_literal(begin, at_);
     at_ += number.length;
     char capital = 0;
@@ -197,6 +201,11 @@ class NamedScanner : public WordTaker {
                     "it may move the machine", "post the program without it");
     const Meaning meaning = profile_.g[word.index].meaning;
     behind_turn_ = meaning == Meaning::frame_turn || meaning == Meaning::frame_turn_further;
+    std::string why;
+    if (meaning == Meaning::bracket_cycle &&
+        !take_brackets(line_.substr(begin, at_ - begin), block_.hole, why))
+      return refuse(fault_, begin + 1, at_ - begin, "E-CYCLE", why, "where the cycle drills is not sure",
+                    "write it with literal numbers");
     return keyword(word, line_.substr(begin, at_ - begin), begin + 1);
   }
 

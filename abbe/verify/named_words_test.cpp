@@ -114,10 +114,23 @@ TEST(NamedWords, StatedDistancesAndPlacesAreFollowed) {
     EXPECT_FALSE(compared(changed("G4 F2\n", std::string(other) + "G4 F2\n"), places).agrees) << other;
 }
 
+/// I=AC(25) is the place of the centre, whatever stands before.
+TEST(NamedWords, CentresMayBePlaces) {
+  const auto arc = [](const std::string& words) {
+    return changed("G4 F2\n", "G0 X20 Y10\nG2 X30 Y10 " + words + " F300\nG4 F2\n");
+  };
+  const std::string original = arc("I5 J0");
+  EXPECT_TRUE(compared(arc("I=AC(25) J=AC(10)"), original).agrees);
+  EXPECT_TRUE(compared(arc("I=AC(25) J0"), original).agrees);
+  EXPECT_FALSE(compared(arc("I=AC(5) J=AC(0)"), original).agrees);
+  EXPECT_FALSE(compared(arc("I=AC(25) J=AC(10.5)"), original).agrees);
+}
+
 TEST(NamedWords, WhatIsNotUnderstoodIsRefused) {
   const std::vector<std::pair<std::string, std::string>> refused = {{"X=R1", "E-EXPR"},
                                                                     {"R1=5", "E-EXPR"},
-                                                                    {"I=AC(5)", "E-EXPR"},
+                                                                    {"I=IC(5)", "E-EXPR"},
+                                                                    {"G2 X20 I=AC(5)", "E-ARC"},
                                                                     {"X=IC(R1)", "E-EXPR"},
                                                                     {"AROT R90", "E-EXPR"},
                                                                     {"G91 G1 X=AC(5)", "E-BLOCK"},
@@ -139,7 +152,6 @@ TEST(NamedWords, WhatIsNotUnderstoodIsRefused) {
                                                                     {"TRANS X1 G1", "E-BLOCK"},
                                                                     {"ROT RPL=5\nATRANS X1", "E-ROTATION"},
                                                                     {"G70", "E-GCODE"},
-                                                                    {"ORIWKS", "E-TCP"},
                                                                     {"TRANS X1\nG91 G1 X1", "E-POS"},
                                                                     {"FGROUP(X,Y)", "E-GCODE"}};
   for (const auto& [line, code] : refused) {

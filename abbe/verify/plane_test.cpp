@@ -119,6 +119,8 @@ TEST(TiltedPlane, SwivelsAxisByAxis) {
   expect_place(end_of(siemens("TRANS X10\nASCALE X2 Z3\nG0 X100 Y5 Z1\n"), "siemens"), {210, 5, 3});
   expect_place(end_of(siemens("SCALE X2\nTRANS X10\nG0 X100 Y5 Z1\n"), "siemens"), {110, 5, 1});
   expect_place(end_of(siemens("MIRROR Y0\nG0 X100 Y5 Z1\n"), "siemens"), {100, -5, 1});
+  expect_place(end_of(siemens("TRANS X10\nAMIRROR X0\nG0 X100 Y5 Z1\n"), "siemens"), {-90, 5, 1});
+  expect_place(end_of(siemens("TRANS X10\nMIRROR X0\nG0 X100 Y5 Z1\n"), "siemens"), {-100, 5, 1});
   std::string code;
   EXPECT_FALSE(end_of(siemens("CYCLE800(0,\"T\",0,57,1,2,3,-90,0,30,0,40,0,0)\nG0 A-30 C90\nG0 X0 Y0 Z0\n"),
                       "siemens", &code));

@@ -26,6 +26,8 @@ class Rotary {
   [[nodiscard]] bool has(int letter) const { return axes_.rotary[static_cast<std::size_t>(letter)] >= 0; }
   [[nodiscard]] bool any() const { return any_; }
   [[nodiscard]] std::span<const TcpCode> codes() const { return control_.codes; }
+  /// It is stated that each rotary axis goes evenly between blocks that state directions of the tool.
+  [[nodiscard]] bool between_evenly() const { return control_.vectors.between == VectorRule::Between::axes; }
   /// How the control chooses where its axes stand on a tilted plane, if it is stated.
   [[nodiscard]] const std::optional<TiltSolution>& tilt() const { return control_.tilt; }
   [[nodiscard]] const AddressedAxes& axes() const { return axes_; }

@@ -140,6 +140,16 @@ constexpr Seat seat_of(Meaning meaning) {
       return {0, 684};
     case Meaning::frame_mirror:
       return {0, 685};
+    case Meaning::frame_mirror_further:
+      return {0, 686};
+    case Meaning::turns_of_workpiece:
+    case Meaning::turns_of_machine:
+      return {18, -1};
+    case Meaning::axes_evenly:
+    case Meaning::tool_evenly:
+      return {19, -1};
+    case Meaning::bracket_cycle:
+      return {20, -1};
     case Meaning::swivel_plane:
       return {11, 684};
     case Meaning::spatial_plane:
@@ -175,6 +185,7 @@ constexpr Seat seat_of(Meaning meaning) {
     case Meaning::tcp_on:
     case Meaning::tcp_off:
     case Meaning::transformation_off:
+    case Meaning::modal_call:
     case Meaning::smoothing:
     case Meaning::copy:
     case Meaning::auxiliary:
