@@ -49,6 +49,12 @@ TEST(Between, OneCodeIsSureWhereTheMachineFileSaysSo) {
   EXPECT_FALSE(traori(std::string("ORIMKS\n") + kFar, kEvenly).has("E-TCP"));
 }
 
+TEST(Between, ARefusedBlockLeavesThoseBehindItAlone) {
+  const Rewritten result =
+      traori(std::string("ORIVECT\n") + kFar + "X5.01 A-40.2 C60.2\nX5.02 A-40.4 C60.4\n");
+  EXPECT_EQ(result.report.diagnostics.size(), 1u) << result.findings();
+}
+
 TEST(Between, WhatContradictsIsRefused) {
   EXPECT_TRUE(traori(std::string("ORIVECT\n") + kFar, kEvenly).has("E-TCP"));
   EXPECT_TRUE(traori(std::string("ORIMKS ORIVECT\n") + kFar, kEvenly).has("E-TCP"));

@@ -272,7 +272,8 @@ class Rewriter {
   [[nodiscard]] bool says_how_it_turns() const;
   [[nodiscard]] bool turns_evenly() const;
   [[nodiscard]] bool evenly_enough(const Move& move) const;
-  bool turns_as_followed(const Move& move);
+  /// Refuses or reports a block whose way is not sure. It is then followed as if each axis went evenly.
+  void judge_way(const Move& move);
 
   bool choose_turning_feed(const Move& move, const Stop& start, const std::vector<Stop>& stops);
   void write_timed(const Move& move, const std::vector<Piece>& pieces, std::string& out);

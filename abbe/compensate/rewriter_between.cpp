@@ -59,23 +59,21 @@ bool Rewriter::evenly_enough(const Move& move) const {
   return true;
 }
 
-bool Rewriter::turns_as_followed(const Move& move) {
-  if (!tcp_ || profile_.turns_evenly || turns_evenly() || evenly_enough(move)) return true;
-  if (!says_how_it_turns()) {
-    if (!way_said_) {
-      warn("W-ORI", "how the tool turns from end to end of the blocks is left to machine data",
-           "each rotary axis is taken to go evenly; the control may turn the tool in one plane instead",
-           "write ORIMKS and ORIAXES behind TRAORI, or state vectors = { between = \"axes\" } in [control]");
-    }
-    way_said_ = true;
-    return true;
-  }
-  refuse_block("E-TCP", "how the rotary axes go along this block is not sure",
-               "the control turns the tool in one plane, or each axis evenly, as its machine data say: here "
-               "that are two ways",
-               "write ORIMKS and ORIAXES behind TRAORI; or ORIAXES, with vectors = { between = \"axes\" } in "
-               "[control] of the machine file where the machine does so; or post shorter blocks");
-  return false;
+void Rewriter::judge_way(const Move& move) {
+  if (!tcp_ || profile_.turns_evenly || turns_evenly() || evenly_enough(move)) return;
+  if (says_how_it_turns())
+    return refuse_block("E-TCP", "how the rotary axes go along this block is not sure",
+                        "the control turns the tool in one plane, or each axis evenly, as its machine data "
+                        "say: here that are "
+                        "two ways",
+                        "write ORIMKS and ORIAXES behind TRAORI; or ORIAXES, with vectors = { between = "
+                        "\"axes\" } in [control] of "
+                        "the machine file where the machine does so; or post shorter blocks");
+  if (!way_said_)
+    warn("W-ORI", "how the tool turns from end to end of the blocks is left to machine data",
+         "each rotary axis is taken to go evenly; the control may turn the tool in one plane instead",
+         "write ORIMKS and ORIAXES behind TRAORI, or state vectors = { between = \"axes\" } in [control]");
+  way_said_ = true;
 }
 
 }  // namespace abbe

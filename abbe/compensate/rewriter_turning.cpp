@@ -378,7 +378,8 @@ void Rewriter::note_turning_gradient(const Vec3& meant, const Vec3& done) {
 
 bool Rewriter::turn(const Move& move, std::string& out) {
   const bool feed = instruction_.motion == 10;
-  if (feed && (!feed_allowed(move) || !turns_as_followed(move))) return false;
+  if (feed && !feed_allowed(move)) return false;
+  if (feed) judge_way(move);
   if (withheld_ != 0 && feed) {
     refuse_block("E-POS", "a turning feed move while an axis stands where G53 put it",
                  "its correction is not in force", "command X, Y and Z in the work offset first");

@@ -1,6 +1,7 @@
 // Cycles as SINUMERIK controls run them: at rapid to RFP + SDIS, down to the depth, and back to RTP.
 #include "abbe/verify/bracket_words.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -16,34 +17,19 @@ constexpr std::size_t kMostArguments = 24;
 constexpr double kBeyond = 1e8;
 constexpr int kOther = 300;  // argument n, from 1, that is no height: 300 + n
 
-/// How many numbers each cycle had at first, and which of the later ones are its three modes.
+/// How many numbers a cycle has, and which of them, from 1, are its three modes; 0: it has none.
 struct Layout {
-  std::size_t first = 0, modes = 0;  ///< modes 0: it has none
+  int cycle = 0;
+  std::size_t numbers = 0, modes = 0;
 };
+constexpr std::array kLayouts = {
+    Layout{81, 8, 6},   Layout{82, 9, 7}, Layout{83, 20, 18}, Layout{84, 24, 22}, Layout{85, 11, 9},
+    Layout{86, 14, 12}, Layout{87, 6, 0}, Layout{88, 7, 0},   Layout{89, 6, 0},   Layout{840, 11, 0}};
+
 std::optional<Layout> layout_of(int cycle) {
-  switch (cycle) {
-    case 81:
-      return Layout{5, 6};
-    case 82:
-      return Layout{6, 7};
-    case 83:
-      return Layout{17, 18};
-    case 84:
-      return Layout{21, 22};
-    case 85:
-      return Layout{8, 9};
-    case 86:
-      return Layout{11, 12};
-    case 87:
-    case 89:
-      return Layout{6, 0};
-    case 88:
-      return Layout{7, 0};
-    case 840:
-      return Layout{11, 0};
-    default:
-      return std::nullopt;
-  }
+  for (const Layout& layout : kLayouts)
+    if (layout.cycle == cycle) return layout;
+  return std::nullopt;
 }
 
 using Arguments = std::vector<std::optional<double>>;
@@ -68,11 +54,11 @@ bool split(std::string_view inside, Arguments& arguments) {
 }
 
 /// Neither axis nor modes say what is not followed here.
-bool modes_agree(int cycle, const Layout& layout, const Arguments& arguments) {
+bool modes_agree(const Layout& layout, const Arguments& arguments) {
   const auto at = [&](std::size_t i) { return i <= arguments.size() ? arguments[i - 1].value_or(0) : 0.0; };
-  if (arguments.size() > (layout.modes > 0 ? layout.modes + 2 : layout.first)) return false;
+  if (arguments.size() > layout.numbers) return false;
   constexpr std::size_t axis = 13;
-  if ((cycle == 83 || cycle == 84) && at(axis) != 0 && at(axis) != 3) return false;
+  if ((layout.cycle == 83 || layout.cycle == 84) && at(axis) != 0 && at(axis) != 3) return false;
   if (layout.modes == 0) return true;
   const double shape = at(layout.modes), plane = at(layout.modes + 1), other = at(layout.modes + 2);
   const double depth = other - 10 * std::floor(other / 10);
@@ -112,7 +98,7 @@ bool take_brackets(std::string_view text, HoleWords& words, std::string& fault) 
   Arguments arguments;
   if (!layout || !split(text.substr(open + 1, text.size() - open - 2), arguments))
     return bad("something in the brackets that is no number");
-  if (!modes_agree(cycle, *layout, arguments)) return bad("a mode of the cycle that is not followed");
+  if (!modes_agree(*layout, arguments)) return bad("a mode of the cycle that is not followed");
   arguments.resize(std::max<std::size_t>(arguments.size(), 5));
   const auto retract = arguments[0], surface = arguments[1], place = arguments[3], below = arguments[4];
   const bool by_distance = below.value_or(0) != 0;

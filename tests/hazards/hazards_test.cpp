@@ -126,7 +126,13 @@ INSTANTIATE_TEST_SUITE_P(
         Hazard{"h30_first_point", "scale", 0, {}, {"--dialect", "fanuc"}},
         Hazard{"h29_subprograms", "offset", 3, {"4:1: error[E-MCODE]", "6:1: error[E-MCODE]"}, {}},
         Hazard{"h29_called_once", "offset", 0, {}, {"--dialect", "fanuc"}},
-        Hazard{"h29_called_twice", "offset", 3, {"7:1: error[E-OWORD]"}, {"--dialect", "fanuc"}}),
+        Hazard{"h29_called_twice", "offset", 3, {"7:1: error[E-OWORD]"}, {"--dialect", "fanuc"}},
+        Hazard{"h31_modal_cycle", "slope", 0, {}, {"--dialect", "siemens"}},
+        Hazard{"h31_fed_to_a_hole",
+               "slope",
+               3,
+               {"5:1: error[E-CYCLE]", "6:1: error[E-CYCLE]", "8:1: error[E-BLOCK]"},
+               {"--dialect", "siemens"}}),
     [](const auto& test) { return std::string(test.param.name); });
 
 /// The number behind a letter in each block, or NaN.
