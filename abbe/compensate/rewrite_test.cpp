@@ -278,6 +278,9 @@ INSTANTIATE_TEST_SUITE_P(
                       Refusal{"G0 X1 H3\n", "E-WORD", 1, 7}, Refusal{"G55 G0 X1\n", "E-WCS", 1, 1},
                       Refusal{"G43 H7\n", "E-TOOL", 1, 1}, Refusal{"G0 X0 Y0 Z0\nG2 X10\n", "E-ARC", 2, 1},
                       Refusal{"G0 X0 Y0 Z0\nG2 X10 Y0 I4\n", "E-ARC", 2, 1},
+                      Refusal{"G0 X0 Y0 Z0\nG1 X10 F0\n", "E-FEED", 2, 1},
+                      Refusal{"F0\nG0 X0 Y0 Z0\nG2 X10 Y0 I5\n", "E-FEED", 3, 1},
+                      Refusal{"G0 X0 Y0 Z5\nG81 X10 Y0 R2 Z-3 F0\n", "E-FEED", 2, 1},
                       Refusal{"G0 X0 (open\n", "E-COMMENT", 1, 7}, Refusal{"G0 X0 \x01\n", "E-CHAR", 1, 7},
                       Refusal{"G0 X\n", "E-NUMBER", 1, 4},
                       Refusal{"(ABBE COMPENSATED)\nG0 X0\n", "E-COMPENSATED", 1, 2},  // H22

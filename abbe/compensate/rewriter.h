@@ -198,6 +198,7 @@ class Rewriter {
   std::optional<Vec3> correction_at(const Vec3& m, unsigned withheld,
                                     const std::array<signed char, 3>& approach);
   bool feed_allowed(const Move& move);
+  bool feed_above_zero();
   /// `what` cuts at m (original). False, and said: an axis there stands where G53 put it, and its correction
   /// is more than the tolerance.
   bool holds_withheld(const Vec3& m, const char* what);

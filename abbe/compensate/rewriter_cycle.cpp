@@ -86,6 +86,7 @@ bool Rewriter::read_holes(Holes& holes) {
   take_dwell();
   if (cycle_.refused) return false;  // its first block was: one cause, one finding
   cycle_.refused = true;             // until it has been understood
+  if (!feed_above_zero()) return false;
   if (!keep_depth(holes.n)) return false;
   if (profile_.cycles.xy_only && modal_.plane != Plane::xy) {
     return bad("a cycle outside the XY plane",

@@ -217,7 +217,13 @@ bool Rewriter::feed_allowed(const Move& move) {
                  "add F to the block");
     return false;
   }
-  return true;
+  return feed_above_zero();
+}
+
+bool Rewriter::feed_above_zero() {
+  if (modal_.feed_mode == 930 || !modal_.has_feed || modal_.feed > 0) return true;
+  refuse_block("E-FEED", "a feed motion with F0", "the control stops with an alarm", "state a feed above 0");
+  return false;
 }
 
 void Rewriter::note_correction(const Vec3& m, const Vec3& c) {

@@ -12,7 +12,7 @@
 namespace abbe {
 namespace {
 
-constexpr std::string_view kNames =
+constexpr std::string_view kErrorNames =
     "names: E, direction X Y Z A B C, axis (EXX); with 0 before the axis for its location (EC0Y); "
     "T thermal and D dynamic (TZX, DXX); t and w for tool and workpiece (EXt, ECw)";
 
@@ -26,7 +26,7 @@ class Names {
     if (!name) {
       findings_.error(
           "E-ERROR-NAME", entry.mark, fmt::format("{} is not the name of an error", in_quotes(entry.key)),
-          std::string(kNames), suggestion(entry.key, all(), "use a name of an axis of the chain"));
+          std::string(kErrorNames), suggestion(entry.key, all(), "use a name of an axis of the chain"));
       return std::nullopt;
     }
     if (is_mount(*name) && name->error_class != ErrorClass::component) {

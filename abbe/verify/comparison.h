@@ -71,6 +71,7 @@ class Comparison {
   void follow_along(const Cover& cover, double t);
   void follow_at(const Cover& cover, double s);
   void check_time(const Motion& piece, double length);
+  void disagree_on_time(double time);
   bool take_up(Cover& cover, const Motion& piece);
   void sample_interval(Cover& cover, const Motion& piece, double from, const Vec3& error_from, double to,
                        const Vec3& error_to, const Vec3& tip_to, int depth);
@@ -103,6 +104,8 @@ class Comparison {
   TipAndAxis meant(const TurnCover& cover, double s);
   TipAndAxis done(TurnCover& cover, const Motion& piece, double t);
   void conclude_turning(TurnCover& cover);
+  [[nodiscard]] double times_per_minute(const Motion& original) const;
+  void check_turning_time(const TurnCover& cover, double share);
   void check_share(TurnCover& cover, const Motion& piece, double share, bool whole);
   void check_turning_feed(const TurnCover& cover);
   bool begins_timed(const Event& found) const;

@@ -234,6 +234,7 @@ bool Control::feed_words() {
   if (!block_->has('F')) return true;
   if (!use('F')) return false;
   feed_ = (*block_)['F'];
+  feed_stated_ = true;
   if (feed_ < 0)
     return refuse_at('F', "E-FEED", "negative feed", "a feed is a speed without direction",
                      "correct the F word");

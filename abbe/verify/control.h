@@ -210,6 +210,7 @@ class Control {
   Axes moved_zeros_ = 0;  ///< axes whose zero is another one than when they were commanded
   double unit_ = 1;       ///< mm per program unit
   int plane_ = 170, feed_mode_ = 940, mode_ = 800;
+  bool feed_stated_ = false;
   double feed_ = 0;
   bool set_pole();
   std::optional<std::array<double, 2>> pole_;                                   ///< of CC, in u

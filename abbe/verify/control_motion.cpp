@@ -78,6 +78,9 @@ bool Control::move() {
       return refuse(1, "E-FEED", "G93 needs an F word above 0 in every feed block",
                     "it states the time of that block", "add F");
   }
+  if (feeds && feed_mode_ != 930 && feed_stated_ && !(feed_ > 0))
+    return refuse(1, "E-FEED", "a feed motion with F0", "the control stops with an alarm",
+                  "state a feed above 0");
   const bool machine_words = block_->g_code(0) == 530;
   if (!machine_words && (!frame_known() || !increments_sure())) return false;
   if (machine_words) moved_zeros_ |= named_axes(*block_);

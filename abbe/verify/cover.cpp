@@ -243,7 +243,10 @@ void Comparison::check_time(const Motion& piece, double length) {
   const double inches = output_.profile().text.conversational ? abbe::inch / 10 : abbe::inch;
   const double unit = output_.inch() ? inches : abbe::mm;
   const double time = piece.feed_mode == 930 ? 60 / piece.feed : 60 * length / unit / piece.feed;
-  if (time >= (1 - kShareTolerance) * job_.block_time) return;
+  if (time < (1 - kShareTolerance) * job_.block_time) disagree_on_time(time);
+}
+
+void Comparison::disagree_on_time(double time) {
   disagree("V-FEED", fmt::format("this piece lasts {:.3g} ms, the control reads blocks of {:.3g} ms",
                                  time * 1e3, job_.block_time * 1e3));
 }

@@ -192,7 +192,9 @@ bool Comparison::turn_piece(TurnCover& cover, const Motion& piece) {
                                 direction_allowed(original, cover.askew);
   const bool complete = still ? turned_round : cover.shortfall <= cover.allowed;
   const double share = (complete ? 1 : std::clamp(cover.s, 0.0, 1.0)) - s_before;
-  check_share(cover, piece, share, complete && cover.pieces == 1);
+  const bool whole_motion = complete && cover.pieces == 1;
+  check_share(cover, piece, share, whole_motion);
+  if (!whole_motion) check_turning_time(cover, share);
   if (piece.feed_mode == 940) {
     // F is of the linear axes where they move, else of the rotary ones, in every piece.
     const double whole = cover.way.norm(), meant_way = whole * share;
@@ -280,19 +282,33 @@ void Comparison::conclude_turning(TurnCover& cover) {
   if (cover.beyond_travel >= 0) disagree("V-TRAVEL", travel_message(cover.beyond_travel, cover.beyond_at));
 }
 
+/// 1 / T of a feed motion, 1/min: in inverse time F, else  1 / T = F / distance,  F being of the linear axes
+/// where they move, else of the rotary ones (deg). 0 where the spindle decides it (G95) or no feed is known.
+double Comparison::times_per_minute(const Motion& original) const {
+  if (original.feed_mode == 930) return original.feed;
+  if (original.feed_mode != 940) return 0;
+  double angle = 0;
+  for (std::size_t k = 0; k < 3; ++k)
+    angle = std::hypot(angle, (original.turns_end[k] - original.turns_start[k]) / deg);
+  const double way = (original.end.at - original.start.at).norm();
+  const double distance = way > kNoWay ? way / (original_.inch() ? inch : mm) : angle;
+  return distance > 0 ? original.feed / distance : 0;
+}
+
+/// A piece may not be faster than the control reads blocks: it lasts its share of the original's time, which
+/// is known as well as its ends are found on the path.
+void Comparison::check_turning_time(const TurnCover& cover, double share) {
+  const double per_minute = times_per_minute(cover.motion);
+  if (!(job_.block_time > 0) || job_.reversal || !(per_minute > 0)) return;
+  const double found_within = cover.speed < kStill ? 0 : 2 * cover.allowed / cover.speed;
+  const double time = 60 / per_minute * share, slack = 60 / per_minute * found_within;
+  if (time + slack < (1 - kShareTolerance) * job_.block_time) disagree_on_time(time);
+}
+
 /// In inverse time each piece takes its share of the original's time.
 void Comparison::check_share(TurnCover& cover, const Motion& piece, double share, bool whole) {
   if (piece.feed_mode != 930) return;
-  const Motion& original = cover.motion;
-  double per_minute = original.feed;
-  if (original.feed_mode == 940) {
-    // F is of the linear axes where they move, else of the rotary ones:  1 / T = F / distance
-    double angle = 0;
-    for (std::size_t k = 0; k < 3; ++k)
-      angle = std::hypot(angle, (original.turns_end[k] - original.turns_start[k]) / deg);
-    const double way = cover.way.norm();
-    per_minute = original.feed / (way > kNoWay ? way / (original_.inch() ? inch : mm) : angle);
-  }
+  const double per_minute = times_per_minute(cover.motion);
   const double time = per_minute / piece.feed;
   cover.time += time;
   if (!whole && !(std::abs(time - share) <= kShareTolerance))

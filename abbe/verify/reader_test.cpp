@@ -243,6 +243,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"G2 X10 R4.9 F1\n", "E-ARC", 1, 8}, Refusal{"G81 X1 Z-1\n", "E-CYCLE", 1, 1},
         Refusal{"G81 Z1 R0\n", "E-CYCLE", 1, 1}, Refusal{"G83 Z-1 R0 Q0\n", "E-CYCLE", 1, 12},
         Refusal{"G93 G1 X1\n", "E-FEED", 1, 1}, Refusal{"G4 P1 X1\n", "E-MODE", 1, 7},
+        Refusal{"G1 X1 F0\n", "E-FEED", 1, 1}, Refusal{"F0\nG0 X2\nG1 X1\n", "E-FEED", 3, 1},
         Refusal{"G92 X1 G1\n", "E-BLOCK", 1, 1}, Refusal{"G4 P1 M62 P1\n", "E-BLOCK", 1, 11},
         Refusal{"X1 . 5 . 2\n", "E-NUMBER", 1, 8}, Refusal{"N1 G0 X99999999999\n", "E-NUMBER", 1, 7},
         Refusal{"G0 X1 N5\n", "E-BLOCK", 1, 7}, Refusal{"G0 /X1\n", "E-CHAR", 1, 4},

@@ -48,11 +48,12 @@ M30
 class Pair {
  public:
   explicit Pair(const std::string& machine = kMachine) : plan_(plan_of(machine)) {}
-  VerifyReport judge(const std::string& original, const std::string& output) const {
+  VerifyReport judge(const std::string& original, const std::string& output, double block_time = 0) const {
     const TestFile a(original), b(output);
     VerifyJob job;
     job.original_path = a.path();
     job.output_path = b.path();
+    job.block_time = block_time;
     job.original_name = "original.ngc";
     job.output_name = "output.ngc";
     job.setup.work_offsets[0] = WorkOffset{};
@@ -74,6 +75,27 @@ std::string changed(std::string text, const std::string& from, const std::string
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+/// 14.14 mm at 500 mm/min last 1.70 s, 11.18 deg at 900 deg/min 0.745 s, F4 of G93 15 s: each half a half of
+/// that.
+TEST(TurningPrograms, PiecesMustNotBeFasterThanTheControlReads) {
+  struct Halves {
+    const char *whole, *halves;
+    double least;  // s
+  };
+  for (const Halves& h : {Halves{"G1 X20 Y0 A20 C30\n", "G1 X15 Y5 A10 C15\nG1 X20 Y0 A20 C30\n", 0.849},
+                          Halves{"G1 A25 C40 F900\n", "G1 A22.5 C35 F900\nG1 A25 C40\n", 0.3727}}) {
+    const std::string split = changed(kProgram, h.whole, h.halves);
+    EXPECT_EQ(codes(Pair().judge(kProgram, split, 0.97 * h.least)), "") << h.whole;
+    EXPECT_THAT(codes(Pair().judge(kProgram, split, 1.05 * h.least)), ::testing::StartsWith("V-FEED"))
+        << h.whole;
+  }
+  const std::string timed =
+      changed(kProgram, "G1 X0 Y5 A10 C-20 F4\n", "G1 X10 Y2.5 A17.5 C10 F8\nG1 X0 Y5 A10 C-20 F8\n");
+  EXPECT_EQ(codes(Pair().judge(kProgram, timed, 7.3)), "");
+  EXPECT_THAT(codes(Pair().judge(kProgram, timed, 7.9)), ::testing::StartsWith("V-FEED"));
+  EXPECT_EQ(codes(Pair().judge(kProgram, kProgram, 60)), "") << "no motion is split";
 }
 
 TEST(TurningPrograms, TheSameProgramAgrees) {

@@ -275,8 +275,8 @@ void run_ballbar(const BallbarVerb& verb, Session& session) {
 
 }  // namespace
 
-Verb ballbar_verb(CLI::App& program, Session& session) {
-  CLI::App* command = program.add_subcommand("ballbar", "circular tests: ISO 230-4 figures and their causes");
+Verb ballbar_verb(Command& program, Session& session) {
+  Command* command = program.add_subcommand("ballbar", "circular tests: ISO 230-4 figures and their causes");
   auto verb = std::make_shared<BallbarVerb>();
   command->add_option("FILE", verb->source.files, "ball-bar traces (CSV), or .b5r features")->required();
   add_ballbar_options(*command, verb->source);

@@ -38,7 +38,7 @@ bool are_different(const std::vector<BallbarTest>& tests, Session& session) {
 
 }  // namespace
 
-void add_ballbar_options(CLI::App& verb, BallbarArguments& arguments) {
+void add_ballbar_options(Command& verb, BallbarArguments& arguments) {
   verb.add_option("--plane", arguments.plane,
                   "plane, where the file does not say it: angles from the first axis")
       ->type_name("XY");
@@ -49,7 +49,7 @@ void add_ballbar_options(CLI::App& verb, BallbarArguments& arguments) {
       ->check(above_zero())
       ->type_name("MM/MIN");
   verb.add_option("--direction", arguments.direction, "direction, where the file does not say it")
-      ->check(CLI::IsMember({"CCW", "CW"}));
+      ->check(one_of({"CCW", "CW"}));
 }
 
 std::optional<BallbarDefaults> ballbar_defaults(const BallbarArguments& arguments, Session& session) {

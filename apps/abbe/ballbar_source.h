@@ -1,11 +1,11 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "abbe/ballbar/ballbar_file.h"
+#include "command_line.h"
 #include "session.h"
 
 namespace abbe::app {
@@ -17,7 +17,7 @@ struct BallbarArguments {
   std::optional<double> radius, feed;  ///< mm, mm/min
 };
 
-void add_ballbar_options(CLI::App& verb, BallbarArguments& arguments);
+void add_ballbar_options(Command& verb, BallbarArguments& arguments);
 
 /// The options as defaults of the reader; nullopt after reporting a mistake.
 [[nodiscard]] std::optional<BallbarDefaults> ballbar_defaults(const BallbarArguments& arguments,

@@ -299,16 +299,15 @@ void capture(const CaptureArguments& arguments, Session& session) {
 
 }  // namespace
 
-Verb capture_verb(CLI::App& program, Session& session) {
-  CLI::App* command =
+Verb capture_verb(Command& program, Session& session) {
+  Command* command =
       program.add_subcommand("capture", "signals of drives from an EtherCAT capture (pcap, pcapng)");
   auto arguments = std::make_shared<CaptureArguments>();
   command->add_option("FILE", arguments->file, "capture, as Wireshark or tcpdump record it")->required();
   add_map_options(*command, arguments->map);
   // What these two print is all of it, and goes to standard output.
-  CLI::Option* summary =
-      command->add_flag("--summary", arguments->summary, "what is in the capture, no signals");
-  CLI::Option* datagrams =
+  Option* summary = command->add_flag("--summary", arguments->summary, "what is in the capture, no signals");
+  Option* datagrams =
       command->add_flag("--datagrams", arguments->datagrams, "every datagram as a line of CSV")
           ->excludes(summary);
   command->add_option("--columns", arguments->columns, "only these signals")
@@ -318,7 +317,7 @@ Verb capture_verb(CLI::App& program, Session& session) {
       ->excludes(datagrams);
   command
       ->add_option("--time", arguments->time, "whose clock: recorder, esl (switch link), clock (of the bus)")
-      ->check(CLI::IsMember({"recorder", "esl", "clock"}));
+      ->check(one_of({"recorder", "esl", "clock"}));
   command->add_flag("--keep-short", arguments->keep_short, "keep cycles in which a slave did not take part");
   command->add_option("-o,--output", arguments->output, "file instead of standard output")
       ->type_name("FILE")
@@ -327,7 +326,7 @@ Verb capture_verb(CLI::App& program, Session& session) {
   command
       ->add_option("--format", arguments->format,
                    "csv, json, binary (else by the ending: .csv .json .abbecol)")
-      ->check(CLI::IsMember({"csv", "json", "binary"}))
+      ->check(one_of({"csv", "json", "binary"}))
       ->excludes(summary)
       ->excludes(datagrams);
   command->add_flag("--json", arguments->json, "JSON on standard output")->excludes(datagrams);

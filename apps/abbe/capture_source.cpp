@@ -75,7 +75,7 @@ Diagnostic no_map(const std::string& file, std::string message) {
 
 }  // namespace
 
-void add_map_options(CLI::App& verb, MapArguments& arguments) {
+void add_map_options(Command& verb, MapArguments& arguments) {
   verb.add_option("--map", arguments.map, "map file (TOML): axes with their drives, places of signals")
       ->type_name("FILE");
   verb.add_option("--eni", arguments.eni, "network information of the master (XML): places of signals")

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "abbe/capture/process_map.h"
 #include "abbe/capture/survey.h"
+#include "command_line.h"
 #include "session.h"
 
 namespace abbe::app {
@@ -19,7 +19,7 @@ struct MapArguments {
   std::string map, eni;
   std::vector<std::string> axes;
 };
-void add_map_options(CLI::App& verb, MapArguments& arguments);
+void add_map_options(Command& verb, MapArguments& arguments);
 
 /// Axes and layout as the options give them; `layout` empty if they do not. nullopt after reporting mistakes.
 struct GivenMap {

@@ -90,7 +90,7 @@ class Reader {
 
 }  // namespace
 
-void add_plan_option(CLI::App& verb, std::vector<std::string>& plan) {
+void add_plan_option(Command& verb, std::vector<std::string>& plan) {
   verb.add_option("--test", plan, fmt::format("one circular test; keys: {}", kKeys))
       ->required()
       ->type_name("KEY=VALUE,..")

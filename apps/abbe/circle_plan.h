@@ -1,12 +1,12 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "abbe/ballbar/trace.h"
 #include "abbe/simulate/circle_run.h"
+#include "command_line.h"
 #include "session.h"
 
 namespace abbe::app {
@@ -19,7 +19,7 @@ struct CirclePlan {
   double noise = 0;  ///< mm
 };
 
-void add_plan_option(CLI::App& verb, std::vector<std::string>& plan);
+void add_plan_option(Command& verb, std::vector<std::string>& plan);
 
 /// All of them; nullopt after reporting every mistake.
 [[nodiscard]] std::optional<std::vector<CirclePlan>> read_plan(const std::vector<std::string>& plan,

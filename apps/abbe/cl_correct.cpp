@@ -302,8 +302,8 @@ void cl_correct(const ClCorrectArguments& arguments, Session& session) {
 
 }  // namespace
 
-Verb cl_correct_verb(CLI::App& program, Session& session) {
-  CLI::App* command = program.add_subcommand(
+Verb cl_correct_verb(Command& program, Session& session) {
+  Command* command = program.add_subcommand(
       "cl-correct", "cutter locations that make up for measured deviations of gear and tool");
   auto arguments = std::make_shared<ClCorrectArguments>();
   add_common_options(*command, arguments->common, session);
@@ -315,7 +315,7 @@ Verb cl_correct_verb(CLI::App& program, Session& session) {
   command
       ->add_option("--sources", arguments->sources,
                    "what counts where the machine file has errors of the same side: deviations, model, both")
-      ->check(CLI::IsMember({"deviations", "model", "both"}));
+      ->check(one_of({"deviations", "model", "both"}));
   command->add_option("-o,--output", arguments->output, "the corrected poses: x_mm,y_mm,z_mm,i,j,k")
       ->type_name("FILE");
   command->add_option("--lock", arguments->lock, "axes that stay where --near says: Z1,B1")

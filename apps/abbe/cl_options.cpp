@@ -19,15 +19,15 @@ std::string changed(std::string text, int (*change)(int)) {
 
 }  // namespace
 
-void add_cl_options(CLI::App& verb, ClArguments& a, bool near) {
+void add_cl_options(Command& verb, ClArguments& a, bool near) {
   verb.add_option("--tool-axis", a.tool_axis,
                   "CL data: correct the tool axes of all six-number records, keep them, or auto: those while "
                   "MULTAX is on")
-      ->check(CLI::IsMember({"auto", "correct", "keep"}))
+      ->check(one_of({"auto", "correct", "keep"}))
       ->capture_default_str();
   verb.add_option("--circle-hand", a.circle_hand,
                   "CL data of NX: the hand about i,j,k that gives the sense of a circle")
-      ->check(CLI::IsMember({"right", "left"}));
+      ->check(one_of({"right", "left"}));
   verb.add_option(
           "--pass-record", a.pass_records,
           "CL data: copy records of this major word; it must neither move nor change a frame (repeatable)")

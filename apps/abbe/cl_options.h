@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +8,7 @@
 #include "abbe/core/diagnostic.h"
 #include "abbe/machine/control_setup.h"
 #include "abbe/pipeline/compensate_program.h"
+#include "command_line.h"
 
 namespace abbe::app {
 
@@ -19,7 +19,7 @@ struct ClArguments {
 };
 
 /// `near`: --near too; verbs that have one of their own leave it out.
-void add_cl_options(CLI::App& verb, ClArguments& arguments, bool near = true);
+void add_cl_options(Command& verb, ClArguments& arguments, bool near = true);
 
 /// CL data by their dialect (cl, apt, clsf), or by the name of the file: .cls .clsf .apt .aptsource .ncl .cl
 [[nodiscard]] bool is_cl_data(std::string_view dialect, std::string_view path);

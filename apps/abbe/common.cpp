@@ -145,16 +145,15 @@ Parsed<Machine> load_machine(const CommonArguments& arguments, Session& session)
 
 }  // namespace
 
-CLI::Validator finite_number() {
-  return CLI::Validator(
-      [](std::string& text) {
-        const auto value = read_number(text);
-        return value ? std::string() : text + " is not a finite number";
-      },
-      "FINITE");
+OptionCheck finite_number() {
+  return {[](const std::string& text) {
+            const auto value = read_number(text);
+            return value ? std::string() : text + " is not a finite number";
+          },
+          "FINITE"};
 }
 
-void add_machine_options(CLI::App& verb, CommonArguments& arguments, Session& session) {
+void add_machine_options(Command& verb, CommonArguments& arguments, Session& session) {
   verb.add_option("MACHINE", arguments.machine, "machine file (TOML); - is standard input")->required();
   verb.add_option("--errors", arguments.errors, "errors file in place of the [errors] of the machine file")
       ->type_name("FILE");
@@ -163,12 +162,12 @@ void add_machine_options(CLI::App& verb, CommonArguments& arguments, Session& se
                 "JSON on standard output: mm, degrees for axis positions, rad for rotations");
 }
 
-void allow_quick_machine(CLI::App& verb, CommonArguments& arguments) {
+void allow_quick_machine(Command& verb, CommonArguments& arguments) {
   verb.get_option("MACHINE")->required(false);
   add_quick_machine_options(verb, arguments.quick);
 }
 
-void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& session) {
+void add_common_options(Command& verb, CommonArguments& arguments, Session& session) {
   add_machine_options(verb, arguments, session);
   verb.add_option("--set", arguments.set, "values of sensors and of t: T1=23.4,t=0")
       ->type_name("NAME=VALUE,..")
@@ -180,7 +179,7 @@ void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& ses
       ->type_name("AXIS=+|-|0,..")
       ->allow_extra_args(false);
   verb.add_option("--model", arguments.model, "how error matrices enter the chain (rigid)")
-      ->check(CLI::IsMember({"rigid", "linear", "first-order"}));
+      ->check(one_of({"rigid", "linear", "first-order"}));
   verb.add_option("--limit-um", arguments.limit_um, "accepted distance: reports pass or fail")
       ->check(not_negative())
       ->type_name("UM");
@@ -408,12 +407,12 @@ Method method_of(std::string_view text) {
   return Method::newton;
 }
 
-void add_method_option(CLI::App& verb, std::string& method) {
+void add_method_option(Command& verb, std::string& method) {
   verb.add_option(
           "--method", method,
           "newton iterates (default), one-step is the differential step, closed-form the exact one for "
           "up to two rotary axes, printed that of the patent for the gear grinder")
-      ->check(CLI::IsMember({"newton", "one-step", "closed-form", "printed"}));
+      ->check(one_of({"newton", "one-step", "closed-form", "printed"}));
 }
 
 bool method_fits_or_report(const Setting& setting, Method method, AxisSet free, Session& session) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +9,7 @@
 #include "abbe/chain/plan.h"
 #include "abbe/core/diagnostic.h"
 #include "abbe/machine/machine.h"
+#include "command_line.h"
 #include "quick_machine.h"
 #include "session.h"
 
@@ -29,14 +29,14 @@ struct CommonArguments {
 };
 
 /// Refuses nan and inf, which CLI11's own checks let through.
-[[nodiscard]] CLI::Validator finite_number();
+[[nodiscard]] OptionCheck finite_number();
 
 /// Those that name the machine, and how to answer.
-void add_machine_options(CLI::App& verb, CommonArguments& arguments, Session& session);
-void add_common_options(CLI::App& verb, CommonArguments& arguments, Session& session);
+void add_machine_options(Command& verb, CommonArguments& arguments, Session& session);
+void add_common_options(Command& verb, CommonArguments& arguments, Session& session);
 /// --skew, --scale, --pitch as well: then MACHINE is left out. After add_machine_options or
 /// add_common_options.
-void allow_quick_machine(CLI::App& verb, CommonArguments& arguments);
+void allow_quick_machine(Command& verb, CommonArguments& arguments);
 
 /// `--at`, `--set`, `--gauge` and their like: "A=1,B=2" of one or several options, in order.
 struct Assignment {
@@ -108,7 +108,7 @@ struct Setting {
                                                          Session& session);
 
 /// --method: newton, one-step, closed-form, printed.
-void add_method_option(CLI::App& verb, std::string& method);
+void add_method_option(Command& verb, std::string& method);
 [[nodiscard]] Method method_of(std::string_view text);
 /// False after E-METHOD: the method does not fit this chain.
 [[nodiscard]] bool method_fits_or_report(const Setting& setting, Method method, AxisSet free,

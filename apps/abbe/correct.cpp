@@ -316,8 +316,8 @@ void correct_points(const CorrectArguments& arguments, Session& session) {
 
 }  // namespace
 
-Verb correct_verb(CLI::App& program, Session& session) {
-  CLI::App* command =
+Verb correct_verb(Command& program, Session& session) {
+  Command* command =
       program.add_subcommand("correct", "commands that bring the tool where it was meant to be");
   auto arguments = std::make_shared<CorrectArguments>();
   add_common_options(*command, arguments->common, session);

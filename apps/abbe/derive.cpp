@@ -217,13 +217,13 @@ void run_derive(const DeriveArguments& arguments, Session& session) {
 
 }  // namespace
 
-Verb derive_verb(CLI::App& program, Session& session) {
-  CLI::App* command = program.add_subcommand("derive", "the first-order equations of a machine in symbols");
+Verb derive_verb(Command& program, Session& session) {
+  Command* command = program.add_subcommand("derive", "the first-order equations of a machine in symbols");
   auto arguments = std::make_shared<DeriveArguments>();
   add_machine_options(*command, arguments->common, session);
   command
       ->add_option("--format", arguments->format, "text (default), latex, json; --json is the same as json")
-      ->check(CLI::IsMember({"text", "latex", "json"}));
+      ->check(one_of({"text", "latex", "json"}));
   command->add_flag("--contributions", arguments->contributions,
                     "also the lever of each error: what a unit of it adds to the deviation");
   command->add_flag("--all", arguments->all, "also the errors of the inventory that the file does not give");

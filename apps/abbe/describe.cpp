@@ -252,8 +252,8 @@ void write_text(const Machine& machine, Session& session) {
 
 }  // namespace
 
-Verb describe_verb(CLI::App& program, Session& session) {
-  CLI::App* command =
+Verb describe_verb(Command& program, Session& session) {
+  Command* command =
       program.add_subcommand("describe", "what a machine file says: bodies, axes, errors, signs");
   auto arguments = std::make_shared<CommonArguments>();
   add_common_options(*command, *arguments, session);

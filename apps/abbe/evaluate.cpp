@@ -166,7 +166,7 @@ void run_evaluate(const EvaluateArguments& arguments, Session& session) {
   evaluate_runs(arguments, session);
 }
 
-void add_setup_options(CLI::App& command, SetupArguments& setup) {
+void add_setup_options(Command& command, SetupArguments& setup) {
   const auto number = [&](const char* name, double& value, const char* text, const char* type) {
     command.add_option(name, value, text)->check(finite_number())->type_name(type);
   };
@@ -180,15 +180,15 @@ void add_setup_options(CLI::App& command, SetupArguments& setup) {
   number("--temperature-difference", setup.temperature_difference, "of the material from 20 degC", "K");
   number("--environment-um", setup.environment_um, "drift of the set-up over the test", "UM");
   command.add_option("--trials", setup.trials, "draws of the Monte Carlo method, 0 = none (0)")
-      ->check(CLI::Range(0, 10'000'000))
+      ->check(whole_in(0, 10'000'000))
       ->type_name("N");
   command.add_option("--seed", setup.seed, "of its random numbers (1)")->type_name("N");
 }
 
 }  // namespace
 
-Verb evaluate_verb(CLI::App& program, Session& session) {
-  CLI::App* command = program.add_subcommand(
+Verb evaluate_verb(Command& program, Session& session) {
+  Command* command = program.add_subcommand(
       "evaluate", "figures of a measurement: positioning, straightness, angle, diagonals, drift");
   auto arguments = std::make_shared<EvaluateArguments>();
   command->add_option("file", arguments->files, "runs or log: CSV with units, or .rtl")
@@ -196,7 +196,7 @@ Verb evaluate_verb(CLI::App& program, Session& session) {
       ->type_name("FILE");
   command->add_option("--as", arguments->as, "positioning, straightness, angle, diagonals, drift")
       ->required()
-      ->check(CLI::IsMember({"positioning", "straightness", "angle", "diagonals", "drift"}))
+      ->check(one_of({"positioning", "straightness", "angle", "diagonals", "drift"}))
       ->type_name("KIND");
   command->add_option("--column", arguments->column, "column of the deviations, if there are several")
       ->type_name("NAME");

@@ -2,18 +2,18 @@
 
 #include <fmt/core.h>
 
-#include <CLI/CLI.hpp>
 #include <cmath>
 #include <string>
 #include <utility>
 #include <variant>
 
 #include "abbe/machine/expansion.h"
+#include "command_line.h"
 #include "common.h"
 
 namespace abbe::app {
 
-void add_expansion_options(CLI::App& verb, ExpansionArguments& arguments) {
+void add_expansion_options(Command& verb, ExpansionArguments& arguments) {
   verb.add_option("--workpiece-temperature", arguments.temperature,
                   "of the part while it is machined, degC; its lengths are stated at 20 degC")
       ->check(finite_number())

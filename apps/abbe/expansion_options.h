@@ -7,11 +7,9 @@
 #include "abbe/machine/machine.h"
 #include "session.h"
 
-namespace CLI {
-class App;
-}
-
 namespace abbe::app {
+
+class Command;
 
 /// --workpiece-temperature and --workpiece-ppm: both, or neither.
 struct ExpansionArguments {
@@ -19,7 +17,7 @@ struct ExpansionArguments {
   [[nodiscard]] bool given() const { return temperature || ppm; }
 };
 
-void add_expansion_options(CLI::App& verb, ExpansionArguments& arguments);
+void add_expansion_options(Command& verb, ExpansionArguments& arguments);
 
 /// The expansion asked for (none without the options: strain 0); nullopt after reporting why not.
 [[nodiscard]] std::optional<WorkpieceExpansion> expansion_or_report(const ExpansionArguments& arguments,

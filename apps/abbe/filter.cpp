@@ -312,8 +312,8 @@ void filter(const FilterArguments& arguments, Session& session) {
 
 }  // namespace
 
-Verb filter_verb(CLI::App& program, Session& session) {
-  CLI::App* command =
+Verb filter_verb(Command& program, Session& session) {
+  Command* command =
       program.add_subcommand("filter", "smooth, denoise, differentiate, align records of signals");
   auto arguments = std::make_shared<FilterArguments>();
   command->add_option("FILE", arguments->file, "CSV with a header, one row per sample; - is standard input")
@@ -329,8 +329,8 @@ Verb filter_verb(CLI::App& program, Session& session) {
       ->allow_extra_args(false);
   command->add_option("--dt", arguments->dt, "seconds between samples, in place of the column t_s")
       ->check(above_zero());
-  CLI::Option* sine = command->add_flag("--sine", arguments->sine, "fit A sin(w t + phi) + c to each column");
-  CLI::Option* delay =
+  Option* sine = command->add_flag("--sine", arguments->sine, "fit A sin(w t + phi) + c to each column");
+  Option* delay =
       command->add_option("--delay", arguments->delay, "by how much the second column is behind the first")
           ->type_name("A,B")
           ->excludes(sine);
@@ -350,7 +350,7 @@ Verb filter_verb(CLI::App& program, Session& session) {
   command
       ->add_option("--format", arguments->format,
                    "csv, json, binary (else by the ending: .csv .json .abbecol)")
-      ->check(CLI::IsMember({"csv", "json", "binary"}))
+      ->check(one_of({"csv", "json", "binary"}))
       ->excludes(sine)
       ->excludes(delay);
   command->add_flag("--json", arguments->json, "JSON, with figures");

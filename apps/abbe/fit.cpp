@@ -378,8 +378,8 @@ void run_fit(const FitArguments& arguments, Session& session) {
 
 }  // namespace
 
-Verb fit_verb(CLI::App& program, Session& session) {
-  CLI::App* command = program.add_subcommand(
+Verb fit_verb(Command& program, Session& session) {
+  Command* command = program.add_subcommand(
       "fit", "the machine's errors from measurements: an errors file with uncertainties");
   auto arguments = std::make_shared<FitArguments>();
   command->add_option("job", arguments->jobs, "what was measured where (TOML); several with --states")

@@ -24,9 +24,8 @@ std::optional<LoadedGear> load_gear(const std::string& path, Session& session) {
   return LoadedGear{std::move(*job.value), std::get<WheelInGap>(std::move(wheel))};
 }
 
-Verb gear_verb(CLI::App& program, Session& session) {
-  CLI::App* command =
-      program.add_subcommand("gear", "gears: their flanks, how a machine cuts them, and back");
+Verb gear_verb(Command& program, Session& session) {
+  Command* command = program.add_subcommand("gear", "gears: their flanks, how a machine cuts them, and back");
   command->require_subcommand(1);
   const std::vector<Verb> kinds = {gear_make_verb(*command, session), gear_cut_verb(*command, session),
                                    gear_sensitivity_verb(*command, session),

@@ -9,10 +9,10 @@
 namespace abbe::app {
 
 // The kinds of `abbe gear`.
-[[nodiscard]] Verb gear_make_verb(CLI::App& gear, Session& session);
-[[nodiscard]] Verb gear_cut_verb(CLI::App& gear, Session& session);
-[[nodiscard]] Verb gear_sensitivity_verb(CLI::App& gear, Session& session);
-[[nodiscard]] Verb gear_correct_verb(CLI::App& gear, Session& session);
+[[nodiscard]] Verb gear_make_verb(Command& gear, Session& session);
+[[nodiscard]] Verb gear_cut_verb(Command& gear, Session& session);
+[[nodiscard]] Verb gear_sensitivity_verb(Command& gear, Session& session);
+[[nodiscard]] Verb gear_correct_verb(Command& gear, Session& session);
 
 /// A gear file and the wheel in its gap.
 struct LoadedGear {

@@ -312,8 +312,8 @@ void run_gear_correct(const GearCorrectArguments& arguments, Session& session) {
 
 }  // namespace
 
-Verb gear_correct_verb(CLI::App& gear, Session& session) {
-  CLI::App* command = gear.add_subcommand("correct", "from measured flanks to poses that make them right");
+Verb gear_correct_verb(Command& gear, Session& session) {
+  Command* command = gear.add_subcommand("correct", "from measured flanks to poses that make them right");
   auto arguments = std::make_shared<GearCorrectArguments>();
   add_gear_machine_options(*command, arguments->machine, session);
   command->add_option("--measured", arguments->measured, "CSV: tooth,flank,roll_mm,z_mm,deviation_um[,trace]")
@@ -331,7 +331,7 @@ Verb gear_correct_verb(CLI::App& gear, Session& session) {
   command
       ->add_option("--cut-with", arguments->cut_with,
                    "how the measured gear was cut, and the corrected one will be: none, pose, flank (none)")
-      ->check(CLI::IsMember({"none", "pose", "flank"}))
+      ->check(one_of({"none", "pose", "flank"}))
       ->type_name("WHAT");
   return {command, [arguments, &session] { run_gear_correct(*arguments, session); }};
 }

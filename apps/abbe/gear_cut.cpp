@@ -204,13 +204,13 @@ void run_gear_cut(const GearCutArguments& arguments, Session& session) {
 
 }  // namespace
 
-Verb gear_cut_verb(CLI::App& gear, Session& session) {
-  CLI::App* command = gear.add_subcommand(
+Verb gear_cut_verb(Command& gear, Session& session) {
+  Command* command = gear.add_subcommand(
       "cut", "cuts a gear on a machine with errors and measures it: profile, helix, pitch, runout");
   auto arguments = std::make_shared<GearCutArguments>();
   add_gear_machine_options(*command, arguments->machine, session);
   command->add_option("--correct", arguments->correction, "commands sent: none, pose, flank (none)")
-      ->check(CLI::IsMember({"none", "pose", "flank"}))
+      ->check(one_of({"none", "pose", "flank"}))
       ->type_name("WHAT");
   command->add_option("--lock", arguments->lock, "axes that no correction moves: Z1,B1")
       ->type_name("AXIS,..")
@@ -220,7 +220,7 @@ Verb gear_cut_verb(CLI::App& gear, Session& session) {
       ->add_option("--teeth", arguments->teeth,
                    "teeth that are shown: 1,25,48,72 (the gear file's, else all)")
       ->delimiter(',')
-      ->check(CLI::Range(1, 2000))
+      ->check(whole_in(1, 2000))
       ->type_name("N,..");
   command->add_option("--cl", arguments->cl, "the nominal cut as CL data")->type_name("FILE");
   command->add_option("--motions", arguments->motions, "axis commands of every gap, as sent: CSV")

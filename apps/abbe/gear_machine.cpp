@@ -148,7 +148,7 @@ void report_second_order(const std::optional<double>& neglected, const std::stri
   session.report(warning);
 }
 
-void add_gear_machine_options(CLI::App& command, GearMachineArguments& arguments, Session& session) {
+void add_gear_machine_options(Command& command, GearMachineArguments& arguments, Session& session) {
   add_common_options(command, arguments.common, session);
   command.add_option("gear", arguments.gear, "gear file (TOML)")->required()->type_name("GEAR");
   command
@@ -159,7 +159,7 @@ void add_gear_machine_options(CLI::App& command, GearMachineArguments& arguments
       ->type_name("AXIS=VALUE,..")
       ->allow_extra_args(false);
   command.add_option("--nodes", arguments.nodes, "places per stroke at which the machine is asked (33)")
-      ->check(CLI::Range(4, 2001))
+      ->check(whole_in(4, 2001))
       ->type_name("N");
 }
 

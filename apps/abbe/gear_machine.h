@@ -1,12 +1,12 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "abbe/gear/machine_cut.h"
+#include "command_line.h"
 #include "common.h"
 #include "gear.h"
 
@@ -19,7 +19,7 @@ struct GearMachineArguments {
   std::vector<std::string> near;
   int nodes = 33;
 };
-void add_gear_machine_options(CLI::App& command, GearMachineArguments& arguments, Session& session);
+void add_gear_machine_options(Command& command, GearMachineArguments& arguments, Session& session);
 
 /// A gear on a machine: everything read, and the nominal commands.
 struct GearOnMachine {

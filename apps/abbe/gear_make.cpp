@@ -91,18 +91,18 @@ void run_gear_make(const GearMakeArguments& arguments, Session& session) {
 
 }  // namespace
 
-Verb gear_make_verb(CLI::App& gear, Session& session) {
-  CLI::App* command =
+Verb gear_make_verb(Command& gear, Session& session) {
+  Command* command =
       gear.add_subcommand("make", "a gear from its drawing: flanks, tolerances, the wheel for it");
   auto arguments = std::make_shared<GearMakeArguments>();
   command->add_option("gear", arguments->gear, "gear file (TOML)")->required()->type_name("GEAR");
   command->add_option("--points", arguments->points, "points and normals of both flanks of gap 1: CSV")
       ->type_name("FILE");
   command->add_option("--rolls", arguments->rolls, "points from form to tip (41)")
-      ->check(CLI::Range(2, 10'000))
+      ->check(whole_in(2, 10'000))
       ->type_name("N");
   command->add_option("--heights", arguments->heights, "points over the face (11)")
-      ->check(CLI::Range(2, 10'000))
+      ->check(whole_in(2, 10'000))
       ->type_name("N");
   command->add_option("--profile", arguments->profile, "axial profile of the wheel: CSV")->type_name("FILE");
   command->add_flag("--json", arguments->json, "JSON on standard output");

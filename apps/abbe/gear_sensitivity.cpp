@@ -118,8 +118,8 @@ void run_gear_sensitivity(const GearSensitivityArguments& arguments, Session& se
 
 }  // namespace
 
-Verb gear_sensitivity_verb(CLI::App& gear, Session& session) {
-  CLI::App* command = gear.add_subcommand("sensitivity", "which error makes which deviation of the gear");
+Verb gear_sensitivity_verb(Command& gear, Session& session) {
+  Command* command = gear.add_subcommand("sensitivity", "which error makes which deviation of the gear");
   auto arguments = std::make_shared<GearSensitivityArguments>();
   add_gear_machine_options(*command, arguments->machine, session);
   command
@@ -127,7 +127,7 @@ Verb gear_sensitivity_verb(CLI::App& gear, Session& session) {
                    "given: errors of the machine file; units: one unit of every error of the chain; poses: "
                    "one unit of "
                    "the 24 deviations of gear and wheel (given)")
-      ->check(CLI::IsMember({"given", "units", "poses"}))
+      ->check(one_of({"given", "units", "poses"}))
       ->type_name("WHAT");
   command->add_option("--unit-um", arguments->unit_um, "unit of displacements (10)")
       ->check(above_zero())

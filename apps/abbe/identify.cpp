@@ -32,8 +32,8 @@ struct IdentifyArguments {
   std::vector<std::string> plan;  ///< of identifiability
 };
 
-void add_model_options(CLI::App& verb, IdentifyArguments& a) {
-  const auto order = CLI::Range(0, 6);
+void add_model_options(Command& verb, IdentifyArguments& a) {
+  const auto order = whole_in(0, 6);
   verb.add_option("--positioning", a.terms.positioning, "powers of positioning errors, 0 = none (3)")
       ->check(order);
   verb.add_option("--straightness", a.terms.straightness, "powers of straightness errors, 0 = none (3)")
@@ -41,7 +41,7 @@ void add_model_options(CLI::App& verb, IdentifyArguments& a) {
   verb.add_option("--rotation", a.terms.rotation, "powers of rotations, 0 = none (1)")->check(order);
   verb.add_option("--splines", a.terms.splines,
                   "positioning and straightness as splines with so many nodes over the tested travel")
-      ->check(CLI::Range(4, 40));
+      ->check(whole_in(4, 40));
   verb.add_flag("--lateral-play", a.terms.lateral_play, "lost motion across the axes as well");
   verb.add_flag("--cross", a.terms.cross, "velocity and acceleration act across the axes as well");
   verb.add_flag("--no-lost-motion", a.no_lost_motion, "no lost motion");
@@ -250,15 +250,15 @@ void run_identifiability(const IdentifyArguments& a, Session& session) {
 
 }  // namespace
 
-Verb identify_verb(CLI::App& program, Session& session) {
-  CLI::App* command =
+Verb identify_verb(Command& program, Session& session) {
+  Command* command =
       program.add_subcommand("identify", "errors of a machine from circular tests, with uncertainties");
   auto a = std::make_shared<IdentifyArguments>();
   add_machine_options(*command, a->common, session);
   command->add_option("TEST", a->source.files, "ball-bar traces (CSV)")->required();
   add_ballbar_options(*command, a->source);
   command->add_option("--method", a->method, "joint least squares, or as published (joint)")
-      ->check(CLI::IsMember({"joint", "paper"}));
+      ->check(one_of({"joint", "paper"}));
   command->add_option("-o,--out", a->output, "errors file, for predict and compensate --errors")
       ->type_name("FILE");
   command->add_option("--clock-ms", a->clock_ms, "standard uncertainty of the clock of a run; 0: not sought")
@@ -267,8 +267,8 @@ Verb identify_verb(CLI::App& program, Session& session) {
   return {command, [a, &session] { run_identify(*a, session); }};
 }
 
-Verb identifiability_verb(CLI::App& program, Session& session) {
-  CLI::App* command = program.add_subcommand(
+Verb identifiability_verb(Command& program, Session& session) {
+  Command* command = program.add_subcommand(
       "identifiability", "what a plan of circular tests would tell, before it is measured");
   auto a = std::make_shared<IdentifyArguments>();
   add_machine_options(*command, a->common, session);

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <memory>
@@ -13,6 +12,7 @@
 #include "abbe/evaluate/monte_carlo.h"
 #include "abbe/report/json_writer.h"
 #include "abbe/report/part_figure.h"
+#include "command_line.h"
 #include "common.h"
 #include "number_check.h"
 #include "output_file.h"
@@ -188,9 +188,9 @@ void run_inspect(const InspectArguments& arguments, Session& session) {
 
 }  // namespace
 
-Verb inspect_verb(CLI::App& program, Session& session) {
+Verb inspect_verb(Command& program, Session& session) {
   auto arguments = std::make_shared<InspectArguments>();
-  CLI::App* verb = program.add_subcommand(
+  Command* verb = program.add_subcommand(
       "inspect", "measured points of a part against its nominal surface: deviations, profile, best fit");
   verb->add_option("surface", arguments->surface, "nominal surface")->required()->type_name("FILE");
   verb->add_option("points", arguments->points,
@@ -199,13 +199,13 @@ Verb inspect_verb(CLI::App& program, Session& session) {
       ->type_name("FILE");
   verb->add_option("--columns", arguments->columns.measured, "names of the columns of measured x, y, z")
       ->capture_default_str();
-  const CLI::Option* const target =
+  const Option* const target =
       verb->add_option(
               "--target-columns", arguments->columns.target,
               "names of the columns of nominal x, y, z; without the option the file may lack xn, yn, zn")
           ->capture_default_str();
   verb->add_option("--fit", arguments->fit, "best fit of the points to the surface")
-      ->check(CLI::IsMember({"none", "shift", "rigid"}))
+      ->check(one_of({"none", "shift", "rigid"}))
       ->capture_default_str();
   verb->add_option("--probe-radius-mm", arguments->ball_mm,
                    "the points are centres of a probe of this radius")

@@ -154,8 +154,8 @@ void inverse_poses(const InverseArguments& arguments, Session& session) {
 
 }  // namespace
 
-Verb inverse_verb(CLI::App& program, Session& session) {
-  CLI::App* command = program.add_subcommand("inverse", "commands that bring the tool to a given pose");
+Verb inverse_verb(Command& program, Session& session) {
+  Command* command = program.add_subcommand("inverse", "commands that bring the tool to a given pose");
   auto arguments = std::make_shared<InverseArguments>();
   add_common_options(*command, arguments->common, session);
   add_pose_options(*command, arguments->poses);

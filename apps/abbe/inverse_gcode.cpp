@@ -87,13 +87,13 @@ std::vector<std::string> header_of(const GcodeJob& job, const Plan& plan, const 
 
 }  // namespace
 
-void add_gcode_options(CLI::App& verb, GcodeArguments& a) {
+void add_gcode_options(Command& verb, GcodeArguments& a) {
   const char* group = "A program in place of a list (--emit gcode)";
   verb.add_option("--emit", a.emit, "gcode: write a program of axis words; --poses may then be CL data")
-      ->check(CLI::IsMember({"gcode"}))
+      ->check(one_of({"gcode"}))
       ->group(group);
   verb.add_option("--profile", a.profile, "control the program is for")
-      ->check(CLI::IsMember({"linuxcnc"}))
+      ->check(one_of({"linuxcnc"}))
       ->capture_default_str()
       ->group(group);
   verb.add_option("-o,--output", a.output, "where the program goes, or - for standard output")->group(group);
@@ -102,7 +102,7 @@ void add_gcode_options(CLI::App& verb, GcodeArguments& a) {
   verb.add_option("--tools", a.tools, "LinuxCNC tool table, in mm")->group(group);
   verb.add_option("--gauge", a.gauges, "gauge length of a tool, e.g. T3=112.4 (repeatable)")->group(group);
   verb.add_option("--datum", a.datum, "probed or ideal, as in compensate")
-      ->check(CLI::IsMember({"probed", "ideal"}))
+      ->check(one_of({"probed", "ideal"}))
       ->capture_default_str()
       ->group(group);
   verb.add_option("--feed", a.feed, "mm/min, for poses from CSV")->check(number_in(1e-3, 1e6))->group(group);
@@ -115,7 +115,7 @@ void add_gcode_options(CLI::App& verb, GcodeArguments& a) {
       ->capture_default_str()
       ->group(group);
   verb.add_option("--units", a.units, "CL data without UNITS: mm or inch")
-      ->check(CLI::IsMember({"mm", "inch"}))
+      ->check(one_of({"mm", "inch"}))
       ->group(group);
   add_cl_options(verb, a.cl, false);
 }

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "command_line.h"
 #include "common.h"
 #include "pose_source.h"
 #include "program_options.h"
@@ -21,7 +21,7 @@ struct GcodeArguments {
   ClArguments cl;
 };
 
-void add_gcode_options(CLI::App& verb, GcodeArguments& arguments);
+void add_gcode_options(Command& verb, GcodeArguments& arguments);
 
 /// Writes the program of the poses (CL data or CSV).
 void write_gcode(const CommonArguments& common, const PoseArguments& poses, bool ideal,

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -13,6 +12,7 @@
 #include "abbe/part/machined_surface.h"
 #include "abbe/pipeline/program_poses.h"
 #include "abbe/report/json_writer.h"
+#include "command_line.h"
 #include "number_check.h"
 #include "output_file.h"
 #include "part_source.h"
@@ -283,9 +283,9 @@ void run_machine(MachineArguments arguments, Session& session) {
 
 }  // namespace
 
-Verb machine_verb(CLI::App& program, Session& session) {
+Verb machine_verb(Command& program, Session& session) {
   auto arguments = std::make_shared<MachineArguments>();
-  CLI::App* verb = program.add_subcommand(
+  Command* verb = program.add_subcommand(
       "machine", "the part that a program leaves on this machine: deviations of its surface");
   add_program_options(*verb, arguments->program, session);
   verb->add_option("program", arguments->input, "program that cuts the surface");
@@ -300,7 +300,7 @@ Verb machine_verb(CLI::App& program, Session& session) {
       ->capture_default_str();
   verb->add_option("--points", arguments->points, "points: CSV with x,y,z near the surface")
       ->type_name("FILE")
-      ->excludes("--grid");
+      ->excludes(verb->get_option("--grid"));
   verb->add_option("-o,--output", arguments->output, "machined points for `abbe inspect` (CSV)")
       ->type_name("FILE");
   verb->add_option("--reach-mm", arguments->reach, "how far from the surface material is looked for")

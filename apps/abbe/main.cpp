@@ -74,11 +74,11 @@ int usage_error(const CLI::App& program, const std::vector<std::string>& words,
 
 int run(int argc, char** argv) {
   Session session;
-  CLI::App program(
+  Command program(
       "abbe: describe a machine tool, predict its deviation, correct its commands and programs.\n", "abbe");
-  program.set_version_flag("--version", "abbe " ABBE_VERSION);
+  program.parser().set_version_flag("--version", "abbe " ABBE_VERSION);
   program.require_subcommand(1);
-  program.footer(kFooter);
+  program.parser().footer(kFooter);
   const std::array verbs = {
       describe_verb(program, session),   predict_verb(program, session),
       map_verb(program, session),        correct_verb(program, session),
@@ -96,18 +96,18 @@ int run(int argc, char** argv) {
   };
   const std::vector<std::string> words(argv + 1, argv + argc);
   try {
-    program.parse(argc, argv);
+    program.parser().parse(argc, argv);
   } catch (const CLI::Success& asked) {
     // --help and --version: their text goes to standard output like any other answer.
     if (dynamic_cast<const CLI::CallForVersion*>(&asked) != nullptr) {
       session.out.write("abbe " ABBE_VERSION "\n");
     } else {
-      session.out.write(program.help());
+      session.out.write(program.parser().help());
     }
     session.out.flush();
     return static_cast<int>(session.out.ok() ? Exit::done : Exit::internal);
   } catch (const CLI::ParseError& error) {
-    return usage_error(program, words, error);
+    return usage_error(program.parser(), words, error);
   }
 
   catch_signals();

@@ -135,8 +135,8 @@ void run_map(const MapArguments& arguments, Session& session) {
 
 }  // namespace
 
-Verb map_verb(CLI::App& program, Session& session) {
-  CLI::App* command =
+Verb map_verb(Command& program, Session& session) {
+  Command* command =
       program.add_subcommand("map", "deviation over the work volume: figures, diagonals, error budget");
   auto arguments = std::make_shared<MapArguments>();
   add_common_options(*command, arguments->common, session);

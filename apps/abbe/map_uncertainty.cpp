@@ -58,11 +58,11 @@ void write_figure(JsonWriter& json, const char* name, const DrawnFigure& figure)
 
 }  // namespace
 
-void add_uncertainty_options(CLI::App& verb, MapUncertaintyArguments& arguments) {
+void add_uncertainty_options(Command& verb, MapUncertaintyArguments& arguments) {
   verb.add_flag("--uncertainty", arguments.wanted,
                 "how uncertain the deviations are, by [uncertainty] of the errors");
   verb.add_option("--trials", arguments.trials, "of Monte Carlo; 0: first order only (1000)")
-      ->check(CLI::Range(0, 1'000'000))
+      ->check(whole_in(0, 1'000'000))
       ->type_name("N");
   verb.add_option("--seed", arguments.seed, "of the random numbers (1)")->type_name("N");
 }

@@ -15,7 +15,7 @@ struct MapUncertaintyArguments {
   std::uint64_t seed = 1;
 };
 
-void add_uncertainty_options(CLI::App& verb, MapUncertaintyArguments& arguments);
+void add_uncertainty_options(Command& verb, MapUncertaintyArguments& arguments);
 
 /// How uncertain the deviations are, by [uncertainty] and [[uncertainty_mode]] of the file that states the
 /// errors; nullopt after reporting why that is not known.

@@ -199,7 +199,7 @@ struct VolumeReader {
 
 }  // namespace
 
-void add_volume_options(CLI::App& verb, VolumeArguments& arguments) {
+void add_volume_options(Command& verb, VolumeArguments& arguments) {
   const auto list = [&](const char* name, std::vector<std::string>& to, const char* what, const char* type) {
     verb.add_option(name, to, what)->type_name(type)->allow_extra_args(false);
   };
@@ -211,7 +211,7 @@ void add_volume_options(CLI::App& verb, VolumeArguments& arguments) {
   list("--datum-at", arguments.datum,
        "where the workpiece is touched off (axes not named: 0, or the end nearest to 0)", "AXIS=VALUE,..");
   verb.add_option("--threads", arguments.threads, "processors to use (all); the result does not depend on it")
-      ->check(CLI::Range(1, 4096))
+      ->check(whole_in(1, 4096))
       ->type_name("N");
 }
 

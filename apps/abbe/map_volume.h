@@ -15,7 +15,7 @@ struct VolumeArguments {
   unsigned threads = 0;
 };
 
-void add_volume_options(CLI::App& verb, VolumeArguments& arguments);
+void add_volume_options(Command& verb, VolumeArguments& arguments);
 
 /// The grid and its circumstances; nullopt after reporting everything that is wrong with the options.
 [[nodiscard]] std::optional<VolumeQuestion> read_volume(const VolumeArguments& arguments,

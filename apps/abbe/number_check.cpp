@@ -11,27 +11,27 @@ namespace {
 
 /// `what` says which numbers `accepts` takes: 'is not a number WHAT'.
 template <class Accepts>
-CLI::Validator check(const Accepts& accepts, const std::string& what) {
-  return CLI::Validator(
-      [accepts, what](std::string& text) {
-        const auto value = read_number(text);
-        return value && accepts(*value) ? std::string() : fmt::format("'{}' is not a number {}", text, what);
-      },
-      what);
+OptionCheck check(const Accepts& accepts, const std::string& what) {
+  return {[accepts, what](const std::string& text) {
+            const auto value = read_number(text);
+            return value && accepts(*value) ? std::string()
+                                            : fmt::format("'{}' is not a number {}", text, what);
+          },
+          what};
 }
 
 }  // namespace
 
-CLI::Validator number_in(double least, double most) {
+OptionCheck number_in(double least, double most) {
   return check([=](double value) { return value >= least && value <= most; },
                fmt::format("from {:g} to {:g}", least, most));
 }
 
-CLI::Validator not_negative() {
+OptionCheck not_negative() {
   return check([](double value) { return value >= 0; }, "of 0 or more");
 }
 
-CLI::Validator above_zero() {
+OptionCheck above_zero() {
   return check([](double value) { return value > 0; }, "above 0");
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -10,6 +9,7 @@
 #include "abbe/part/inspection.h"
 #include "abbe/report/json_writer.h"
 #include "abbe/surface/nurbs.h"
+#include "command_line.h"
 #include "session.h"
 
 namespace abbe::app {

@@ -8,11 +8,10 @@
 
 namespace abbe::app {
 
-void add_point_options(CLI::App& verb, PointArguments& arguments) {
-  CLI::Option* at =
-      verb.add_option("--at", arguments.at, "axis positions: X=1,A=30; axes not named stand at 0")
-          ->type_name("AXIS=VALUE,..")
-          ->allow_extra_args(false);
+void add_point_options(Command& verb, PointArguments& arguments) {
+  Option* at = verb.add_option("--at", arguments.at, "axis positions: X=1,A=30; axes not named stand at 0")
+                   ->type_name("AXIS=VALUE,..")
+                   ->allow_extra_args(false);
   verb.add_option("--points", arguments.points,
                   "CSV with a header: a column for every moving axis, optionally sensors, v.X, a.X, X.dir")
       ->type_name("FILE")

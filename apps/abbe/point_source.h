@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -8,6 +7,7 @@
 #include <vector>
 
 #include "abbe/chain/plan.h"
+#include "command_line.h"
 #include "common.h"
 #include "csv.h"
 #include "session.h"
@@ -19,7 +19,7 @@ struct PointArguments {
   std::string points;
 };
 
-void add_point_options(CLI::App& verb, PointArguments& arguments);
+void add_point_options(Command& verb, PointArguments& arguments);
 
 /// The questions of `predict` and `correct`: the one of --at, or the rows of --points, streamed.
 /// Columns: every moving axis, and optionally sensors, v.X, a.X, X.dir; the plan is made anew when a

@@ -16,9 +16,9 @@ constexpr std::array<const char*, 6> kColumns = {"x", "y", "z", "i", "j", "k"};
 
 }  // namespace
 
-void add_pose_options(CLI::App& verb, PoseArguments& arguments) {
-  CLI::Option* pose = verb.add_option("--pose", arguments.pose, "tip and tool axis in workpiece axes")
-                          ->type_name("x,y,z,i,j,k");
+void add_pose_options(Command& verb, PoseArguments& arguments) {
+  Option* pose = verb.add_option("--pose", arguments.pose, "tip and tool axis in workpiece axes")
+                     ->type_name("x,y,z,i,j,k");
   verb.add_option("--poses", arguments.poses, "CSV with the columns x,y,z (or x_mm,y_mm,z_mm) and i,j,k")
       ->type_name("FILE")
       ->excludes(pose);

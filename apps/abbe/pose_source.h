@@ -1,6 +1,5 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <array>
 #include <cstdint>
 #include <optional>
@@ -10,6 +9,7 @@
 
 #include "abbe/core/linear_algebra.h"
 #include "abbe/machine/machine.h"
+#include "command_line.h"
 #include "csv.h"
 #include "expansion_options.h"
 #include "session.h"
@@ -23,7 +23,7 @@ struct PoseArguments {
 };
 
 /// --pose, --poses, --near, and those of the workpiece's expansion.
-void add_pose_options(CLI::App& verb, PoseArguments& arguments);
+void add_pose_options(Command& verb, PoseArguments& arguments);
 
 /// Positions of --near: where the machine stands, so that the nearest solution is taken.
 [[nodiscard]] std::array<double, kMaxAxes> read_near(const Machine& machine,

@@ -215,8 +215,8 @@ void predict_points(const CommonArguments& common, const PointArguments& argumen
 
 }  // namespace
 
-Verb predict_verb(CLI::App& program, Session& session) {
-  CLI::App* command = program.add_subcommand("predict", "where the tool really is: pose and deviation");
+Verb predict_verb(Command& program, Session& session) {
+  Command* command = program.add_subcommand("predict", "where the tool really is: pose and deviation");
   auto common = std::make_shared<CommonArguments>();
   auto arguments = std::make_shared<PointArguments>();
   add_common_options(*command, *common, session);

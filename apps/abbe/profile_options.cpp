@@ -38,16 +38,16 @@ std::optional<Profile> profile_of_name(const std::string& name, Session& session
 
 }  // namespace
 
-void add_profile_options(CLI::App& verb, ProfileArguments& a) {
+void add_profile_options(Command& verb, ProfileArguments& a) {
   verb.add_option(
       "--dialect", a.dialect,
       "control the program is for (abbe profiles lists them; default linuxcnc); cl, apt, clsf: CL data");
   verb.add_option("--profile", a.file, "the same from a profile file");
   verb.add_option("--integer-words", a.integer_words,
                   "a coordinate without a decimal point counts units (X100 = 100 mm) or increments (0.1 mm)")
-      ->check(CLI::IsMember({"units", "increments"}));
+      ->check(one_of({"units", "increments"}));
   verb.add_option("--units", a.units, "units before the program says G20 or G21; CL data without UNITS")
-      ->check(CLI::IsMember({"mm", "inch"}));
+      ->check(one_of({"mm", "inch"}));
 }
 
 std::shared_ptr<const Profile> load_profile(const ProfileArguments& a, Session& session) {

@@ -1,10 +1,10 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
 #include "abbe/machine/profile.h"
+#include "command_line.h"
 #include "session.h"
 
 namespace abbe::app {
@@ -15,7 +15,7 @@ struct ProfileArguments {
   std::string integer_words, units;  ///< what the program and the profile leave open; empty: not given
 };
 
-void add_profile_options(CLI::App& verb, ProfileArguments& arguments);
+void add_profile_options(Command& verb, ProfileArguments& arguments);
 
 /// The profile, with what the options add; nullptr after reporting all mistakes.
 [[nodiscard]] std::shared_ptr<const Profile> load_profile(const ProfileArguments& arguments,

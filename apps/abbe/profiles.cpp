@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
 #include "abbe/machine/read_profile.h"
 #include "abbe/report/json_writer.h"
+#include "command_line.h"
 #include "profile_options.h"
 #include "verbs.h"
 
@@ -138,9 +138,9 @@ void run(const Arguments& arguments, Session& session) {
 
 }  // namespace
 
-Verb profiles_verb(CLI::App& program, Session& session) {
+Verb profiles_verb(Command& program, Session& session) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb = program.add_subcommand("profiles", "the controls whose programs are understood, and how");
+  Command* verb = program.add_subcommand("profiles", "the controls whose programs are understood, and how");
   verb->add_option("name", arguments->profile.dialect, "control to explain");
   verb->add_option("--profile", arguments->profile.file, "a profile file of your own");
   verb->add_flag("--meanings", arguments->meanings, "what a code may mean in a profile");

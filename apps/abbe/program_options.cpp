@@ -164,7 +164,7 @@ std::string today() {
 
 }  // namespace
 
-void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) {
+void add_program_options(Command& verb, ProgramArguments& a, Session& session) {
   add_common_options(verb, a.common, session);
   add_profile_options(verb, a.profile);
   allow_quick_machine(verb, a.common);
@@ -183,15 +183,15 @@ void add_program_options(CLI::App& verb, ProgramArguments& a, Session& session) 
           "machine position before the program, e.g. X0,Y0,Z0,C90; rotary axes stand at 0 where not given")
       ->delimiter(';');
   verb.add_option("--block-delete", a.block_delete, "blocks with '/': on = skipped, off = executed")
-      ->check(CLI::IsMember({"on", "off"}));
+      ->check(one_of({"on", "off"}));
   verb.add_option("--tool-change", a.tool_change,
                   "moves: after M6 the axes may stand elsewhere; keeps: they stand where they were")
-      ->check(CLI::IsMember({"moves", "keeps"}))
+      ->check(one_of({"moves", "keeps"}))
       ->capture_default_str();
   add_expansion_options(verb, a.expansion);
   verb.add_option("--datum", a.datum,
                   "probed: the work offset was touched off on this machine; ideal: it is true")
-      ->check(CLI::IsMember({"probed", "ideal"}))
+      ->check(one_of({"probed", "ideal"}))
       ->capture_default_str();
   verb.add_option("--tolerance-um", a.tolerance_um, "what interpolation may leave")
       ->check(number_in(0.01, 1000.0))

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "abbe/pipeline/compensate_program.h"
 #include "cl_options.h"
+#include "command_line.h"
 #include "common.h"
 #include "expansion_options.h"
 #include "profile_options.h"
@@ -29,7 +29,7 @@ struct ProgramArguments {
   ExpansionArguments expansion;
 };
 
-void add_program_options(CLI::App& verb, ProgramArguments& arguments, Session& session);
+void add_program_options(Command& verb, ProgramArguments& arguments, Session& session);
 
 /// With --skew, --scale or --pitch the first file is not a machine: the files move up by one. False after
 /// reporting that one is missing. `files`: where they were put, in the order of the command line.

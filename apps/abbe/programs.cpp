@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
 #include "abbe/core/number.h"
 #include "abbe/pipeline/diff_programs.h"
 #include "abbe/report/json_writer.h"
+#include "command_line.h"
 #include "program_options.h"
 #include "progress.h"
 #include "verbs.h"
@@ -58,10 +58,10 @@ struct RewriteArguments {
   unsigned threads = 0;
 };
 
-void add_threads(CLI::App& verb, RewriteArguments& arguments) {
+void add_threads(Command& verb, RewriteArguments& arguments) {
   verb.add_option("--threads", arguments.threads,
                   "1: verify after rewriting, not at the same time; the result does not depend on it")
-      ->check(CLI::Range(1, 4096))
+      ->check(whole_in(1, 4096))
       ->type_name("N");
 }
 
@@ -86,9 +86,9 @@ void run_rewrite(const RewriteArguments& arguments, Session& session, bool check
 
 }  // namespace
 
-Verb compensate_verb(CLI::App& program, Session& session) {
+Verb compensate_verb(Command& program, Session& session) {
   auto arguments = std::make_shared<RewriteArguments>();
-  CLI::App* verb = program.add_subcommand(
+  Command* verb = program.add_subcommand(
       "compensate", "rewrite a program so that the machine's errors cancel, verify it, then publish it");
   add_program_options(*verb, arguments->program, session);
   verb->add_option("program", arguments->input, "program, or - for standard input");
@@ -96,7 +96,7 @@ Verb compensate_verb(CLI::App& program, Session& session) {
                    "where the compensated program goes, or - for standard output")
       ->required();
   verb->add_option("--header", arguments->program.header, "where the output says what it is")
-      ->check(CLI::IsMember({"inline", "sidecar", "none"}))
+      ->check(one_of({"inline", "sidecar", "none"}))
       ->capture_default_str();
   add_threads(*verb, *arguments);
   return {verb, [arguments, &session] {
@@ -105,9 +105,9 @@ Verb compensate_verb(CLI::App& program, Session& session) {
           }};
 }
 
-Verb check_verb(CLI::App& program, Session& session) {
+Verb check_verb(Command& program, Session& session) {
   auto arguments = std::make_shared<RewriteArguments>();
-  CLI::App* verb = program.add_subcommand("check", "everything compensate does, without an output");
+  Command* verb = program.add_subcommand("check", "everything compensate does, without an output");
   add_program_options(*verb, arguments->program, session);
   verb->add_option("program", arguments->input, "program, or - for standard input");
   add_threads(*verb, *arguments);
@@ -117,9 +117,9 @@ Verb check_verb(CLI::App& program, Session& session) {
           }};
 }
 
-Verb verify_verb(CLI::App& program, Session& session) {
+Verb verify_verb(Command& program, Session& session) {
   auto arguments = std::make_shared<RewriteArguments>();
-  CLI::App* verb = program.add_subcommand(
+  Command* verb = program.add_subcommand(
       "verify", "compare a compensated program with its original: path, events, feeds, rapid or feed");
   add_program_options(*verb, arguments->program, session);
   verb->add_option("original", arguments->input, "the original program");
@@ -139,7 +139,7 @@ Verb verify_verb(CLI::App& program, Session& session) {
           }};
 }
 
-Verb diff_verb(CLI::App& program, Session& session) {
+Verb diff_verb(Command& program, Session& session) {
   struct Arguments {
     std::string original, output;
     bool json = false;
@@ -147,7 +147,7 @@ Verb diff_verb(CLI::App& program, Session& session) {
     ProfileArguments profile;
   };
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* verb =
+  Command* verb =
       program.add_subcommand("diff", "what changed between a program and its compensated form, word by word");
   verb->add_option("original", arguments->original, "the original program")->required();
   verb->add_option("compensated", arguments->output, "the compensated program")->required();
@@ -230,9 +230,9 @@ Verb diff_verb(CLI::App& program, Session& session) {
       }};
 }
 
-Verb explain_verb(CLI::App& program, Session& session) {
+Verb explain_verb(Command& program, Session& session) {
   auto arguments = std::make_shared<RewriteArguments>();
-  CLI::App* verb = program.add_subcommand(
+  Command* verb = program.add_subcommand(
       "explain", "why a block is rewritten as it is: frames, position, correction, decision");
   add_program_options(*verb, arguments->program, session);
   verb->add_option("place", arguments->input, "FILE:LINE");

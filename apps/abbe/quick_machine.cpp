@@ -94,7 +94,7 @@ std::map<char, std::vector<std::string>> read_positions(const QuickMachine& quic
 
 }  // namespace
 
-void add_quick_machine_options(CLI::App& verb, QuickMachine& quick) {
+void add_quick_machine_options(Command& verb, QuickMachine& quick) {
   const auto add = [&verb](const char* name, std::vector<std::string>& list, const char* type,
                            const char* help) {
     verb.add_option(name, list, help)

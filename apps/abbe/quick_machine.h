@@ -1,11 +1,11 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "abbe/core/diagnostic.h"
+#include "command_line.h"
 
 namespace abbe::app {
 
@@ -16,7 +16,7 @@ struct QuickMachine {
 };
 
 /// --skew, --scale, --pitch.
-void add_quick_machine_options(CLI::App& verb, QuickMachine& quick);
+void add_quick_machine_options(Command& verb, QuickMachine& quick);
 
 /// The machine file that says the same: chain "w b X Y Z t", EC0Y = XY, EB0Z = -XZ, EA0Z = YZ (positive: the
 /// angle between the positive directions is obtuse), EXX = (scale - 1) X + pitch(X). nullopt after reporting

@@ -132,8 +132,8 @@ void write_json(const Plan& plan, const Environment& environment, Session& sessi
 
 }  // namespace
 
-Verb signcheck_verb(CLI::App& program, Session& session) {
-  CLI::App* command = program.add_subcommand(
+Verb signcheck_verb(Command& program, Session& session) {
+  Command* command = program.add_subcommand(
       "signcheck", "test moves and dial readings that show whether the signs are right");
   auto arguments = std::make_shared<CommonArguments>();
   add_common_options(*command, *arguments, session);

@@ -4,8 +4,8 @@
 
 namespace abbe::app {
 
-Verb simulate_verb(CLI::App& program, Session& session) {
-  CLI::App* command = program.add_subcommand("simulate", "records of a machine that does not exist");
+Verb simulate_verb(Command& program, Session& session) {
+  Command* command = program.add_subcommand("simulate", "records of a machine that does not exist");
   command->require_subcommand(1);
   const std::vector<Verb> kinds = {
       simulate_capture_verb(*command, session), simulate_ballbar_verb(*command, session),

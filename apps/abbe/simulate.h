@@ -5,9 +5,9 @@
 namespace abbe::app {
 
 /// The subcommands of `simulate`, one per file.
-[[nodiscard]] Verb simulate_capture_verb(CLI::App& simulate, Session& session);
-[[nodiscard]] Verb simulate_ballbar_verb(CLI::App& simulate, Session& session);
-[[nodiscard]] Verb simulate_measurements_verb(CLI::App& simulate, Session& session);
-[[nodiscard]] Verb simulate_drift_verb(CLI::App& simulate, Session& session);
+[[nodiscard]] Verb simulate_capture_verb(Command& simulate, Session& session);
+[[nodiscard]] Verb simulate_ballbar_verb(Command& simulate, Session& session);
+[[nodiscard]] Verb simulate_measurements_verb(Command& simulate, Session& session);
+[[nodiscard]] Verb simulate_drift_verb(Command& simulate, Session& session);
 
 }  // namespace abbe::app

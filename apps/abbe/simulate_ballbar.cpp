@@ -180,8 +180,8 @@ void run_simulation(const SimulateArguments& arguments, Session& session) {
 
 }  // namespace
 
-Verb simulate_ballbar_verb(CLI::App& simulate, Session& session) {
-  CLI::App* command = simulate.add_subcommand("ballbar", "circular tests of a machine with all its errors");
+Verb simulate_ballbar_verb(Command& simulate, Session& session) {
+  Command* command = simulate.add_subcommand("ballbar", "circular tests of a machine with all its errors");
   auto a = std::make_shared<SimulateArguments>();
   add_common_options(*command, a->common, session);
   add_plan_option(*command, a->plan);

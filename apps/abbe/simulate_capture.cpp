@@ -114,8 +114,8 @@ void simulate_capture(const SimulateCaptureArguments& arguments, Session& sessio
 
 }  // namespace
 
-Verb simulate_capture_verb(CLI::App& simulate, Session& session) {
-  CLI::App* command = simulate.add_subcommand("capture", "an EtherCAT capture that carries given signals");
+Verb simulate_capture_verb(Command& simulate, Session& session) {
+  Command* command = simulate.add_subcommand("capture", "an EtherCAT capture that carries given signals");
   auto arguments = std::make_shared<SimulateCaptureArguments>();
   command
       ->add_option("--signals", arguments->signals,
@@ -127,7 +127,7 @@ Verb simulate_capture_verb(CLI::App& simulate, Session& session) {
   command->add_option("--cycle-us", arguments->cycle_us, "time between cycles (1000)")
       ->check(number_in(1.0, 1e6));
   command->add_option("--esl", arguments->esl, "where the switch link's time is: trailer, header, none")
-      ->check(CLI::IsMember({"trailer", "header", "none"}));
+      ->check(one_of({"trailer", "header", "none"}));
   command->add_flag("--no-startup", arguments->no_startup, "without the traffic that tells the map");
   command->add_flag("--no-forward", arguments->no_forward, "returning frames only");
   command->add_flag("--no-clock", arguments->no_clock, "without readings of the reference clock");

@@ -54,8 +54,8 @@ void run_simulate_drift(const SimulateDriftArguments& arguments, Session& sessio
 
 }  // namespace
 
-Verb simulate_drift_verb(CLI::App& simulate, Session& session) {
-  CLI::App* command = simulate.add_subcommand(
+Verb simulate_drift_verb(Command& simulate, Session& session) {
+  Command* command = simulate.add_subcommand(
       "drift",
       "writes the logs that a job of `fit` names: temperatures and drift of a machine with hidden errors");
   auto arguments = std::make_shared<SimulateDriftArguments>();

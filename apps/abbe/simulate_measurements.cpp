@@ -49,8 +49,8 @@ void run_simulate_measurements(SimulateMeasurementsArguments arguments, Session&
 
 }  // namespace
 
-Verb simulate_measurements_verb(CLI::App& simulate, Session& session) {
-  CLI::App* command = simulate.add_subcommand(
+Verb simulate_measurements_verb(Command& simulate, Session& session) {
+  Command* command = simulate.add_subcommand(
       "measurements", "writes the files that a job of `fit` names, measured on a machine with hidden errors");
   auto arguments = std::make_shared<SimulateMeasurementsArguments>();
   command->add_option("job", arguments->job, "job for `fit` (TOML)")->required()->type_name("JOB");
@@ -59,10 +59,10 @@ Verb simulate_measurements_verb(CLI::App& simulate, Session& session) {
       ->type_name("FILE");
   command
       ->add_option("--targets", arguments->plan.targets, "targets of each run, evenly over the travel (11)")
-      ->check(CLI::Range(2, 10'000))
+      ->check(whole_in(2, 10'000))
       ->type_name("N");
   command->add_option("--runs", arguments->plan.runs, "runs in each direction (5)")
-      ->check(CLI::Range(1, 1000))
+      ->check(whole_in(1, 1000))
       ->type_name("N");
   command->add_flag("--one-way", arguments->one_way, "increasing positions only");
   command->add_option("--noise-um", arguments->noise_um, "of readings whose entry states no noise (0.3)")

@@ -2,13 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <CLI/CLI.hpp>
 #include <memory>
 #include <string>
 
 #include "abbe/core/units.h"
 #include "abbe/report/json_writer.h"
 #include "abbe/surface/write_tool_path.h"
+#include "command_line.h"
 #include "common.h"
 #include "number_check.h"
 #include "output_file.h"
@@ -139,9 +139,9 @@ void run_toolpath(ToolpathArguments arguments, Session& session) {
 
 }  // namespace
 
-Verb toolpath_verb(CLI::App& program, Session& session) {
+Verb toolpath_verb(Command& program, Session& session) {
   auto arguments = std::make_shared<ToolpathArguments>();
-  CLI::App* verb = program.add_subcommand(
+  Command* verb = program.add_subcommand(
       "toolpath", "passes of a ball-end mill over a surface: CL data, program, contact points");
   verb->add_option("surface", arguments->surface, "nominal surface")->required()->type_name("FILE");
   verb->add_option("--cutter", arguments->cutter, "ball:3: radius, mm")->capture_default_str();
@@ -150,12 +150,12 @@ Verb toolpath_verb(CLI::App& program, Session& session) {
       ->capture_default_str();
   verb->add_option("--step-mm", arguments->step_mm, "constant distance of passes, in place of the scallop")
       ->check(number_in(1e-4, 1e3))
-      ->excludes("--scallop-um");
+      ->excludes(verb->get_option("--scallop-um"));
   verb->add_option("--tolerance-um", arguments->tolerance_um, "of the chords")
       ->check(number_in(0.01, 1e3))
       ->capture_default_str();
   verb->add_option("--along", arguments->along, "parameter along which passes run")
-      ->check(CLI::IsMember({"u", "v"}))
+      ->check(one_of({"u", "v"}))
       ->capture_default_str();
   verb->add_flag("--one-way", arguments->one_way, "all passes in one direction, lifted between");
   verb->add_option("--feed", arguments->text.feed, "mm/min")
@@ -166,7 +166,7 @@ Verb toolpath_verb(CLI::App& program, Session& session) {
       ->capture_default_str();
   verb->add_option("--tool", arguments->text.tool,
                    "number of the tool to load; without it the tool is in the spindle")
-      ->check(CLI::Range(0, 99999));
+      ->check(whole_in(0, 99999));
   verb->add_option("-o,--output", arguments->program, "program for the control of --dialect")
       ->type_name("FILE");
   verb->add_option("--cl", arguments->cl, "CL data (APT)")->type_name("FILE");

@@ -157,8 +157,8 @@ TEST_F(Programs, InterruptLeavesNothingBehind) {
   const pid_t child = ::fork();
   if (child == 0) {
     ::dup2(printed[1], STDOUT_FILENO);
-    ::execl(ABBE_PROGRAM, "abbe", "compensate", machine_.c_str(), program.c_str(), "-o", out_.c_str(),
-            "--json", "--set", "T1=20", "--offset", "G54=X0,Y0,Z-100", nullptr);
+    ::execl(program_path().c_str(), "abbe", "compensate", machine_.c_str(), program.c_str(), "-o",
+            out_.c_str(), "--json", "--set", "T1=20", "--offset", "G54=X0,Y0,Z-100", nullptr);
     ::_exit(127);
   }
   ::close(printed[1]);

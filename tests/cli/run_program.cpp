@@ -21,7 +21,7 @@ std::string content(const std::string& path) {
 }
 
 std::vector<std::string> words_of(const std::vector<std::string>& arguments) {
-  std::vector<std::string> words = {ABBE_PROGRAM};
+  std::vector<std::string> words = {program_path()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   return words;
 }
@@ -48,6 +48,11 @@ bool catches(pid_t child, int signal) {
 }
 
 }  // namespace
+
+std::string program_path() {
+  const char* const named = std::getenv("ABBE_PROGRAM");
+  return named != nullptr ? named : ABBE_PROGRAM;
+}
 
 Folder::Folder() {
   std::string pattern = std::filesystem::temp_directory_path() / "abbe-cli-XXXXXX";

@@ -12,6 +12,9 @@ struct ProgramRun {
   std::string out, err;
 };
 
+/// The program under test: the one of this build, or what the environment variable ABBE_PROGRAM names.
+[[nodiscard]] std::string program_path();
+
 /// Runs `abbe` with these arguments in `folder`; `input` is its standard input.
 [[nodiscard]] ProgramRun run_abbe(const std::vector<std::string>& arguments, std::string_view input = {},
                                   const std::string& folder = ".");

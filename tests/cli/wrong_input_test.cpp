@@ -236,7 +236,7 @@ TEST_F(WrongInput, ManyRedundantAxesNeedALock) {
 
 /// Standard output connected to `target` instead of a file.
 int exit_with_output(const std::vector<std::string>& arguments, int output) {
-  std::vector<std::string> words = {ABBE_PROGRAM};
+  std::vector<std::string> words = {program_path()};
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());
@@ -279,8 +279,8 @@ TEST_F(WrongInput, AFileSizeLimitLeavesNothingBehind) {
     const int nowhere = ::open("/dev/null", O_WRONLY);
     ::dup2(nowhere, STDOUT_FILENO);
     ::dup2(nowhere, STDERR_FILENO);
-    ::execl(ABBE_PROGRAM, "abbe", "compensate", machine_.c_str(), part.c_str(), "-o", out.c_str(), "--set",
-            "T1=20", "--offset", "G54=X0,Y0,Z0", nullptr);
+    ::execl(program_path().c_str(), "abbe", "compensate", machine_.c_str(), part.c_str(), "-o", out.c_str(),
+            "--set", "T1=20", "--offset", "G54=X0,Y0,Z0", nullptr);
     ::_exit(127);
   }
   int status = 0;
@@ -299,8 +299,8 @@ TEST_F(WrongInput, InterruptEndsTheWaitForStandardInput) {
   if (child == 0) {
     ::dup2(pipe[0], STDIN_FILENO);
     ::setenv("TMPDIR", temporary.path().c_str(), 1);
-    ::execl(ABBE_PROGRAM, "abbe", "compensate", machine_.c_str(), "-", "-o", out.c_str(), "--set", "T1=20",
-            "--offset", "G54=X0,Y0,Z0", nullptr);
+    ::execl(program_path().c_str(), "abbe", "compensate", machine_.c_str(), "-", "-o", out.c_str(), "--set",
+            "T1=20", "--offset", "G54=X0,Y0,Z0", nullptr);
     ::_exit(127);
   }
   ASSERT_EQ(::write(pipe[1], "G54\nG0 X0 Y0 Z0\n", 17), 17);
@@ -329,8 +329,8 @@ TEST_F(WrongInput, InterruptEndsWith130) {
   const pid_t child = ::fork();
   if (child == 0) {
     ::dup2(pipe[1], STDOUT_FILENO);
-    ::execl(ABBE_PROGRAM, "abbe", "predict", machine_.c_str(), "--set", "T1=20", "--json", "--points",
-            points.c_str(), nullptr);
+    ::execl(program_path().c_str(), "abbe", "predict", machine_.c_str(), "--set", "T1=20", "--json",
+            "--points", points.c_str(), nullptr);
     ::_exit(127);
   }
   ::close(pipe[1]);
