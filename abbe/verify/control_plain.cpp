@@ -28,7 +28,7 @@ bool Control::goes_plainly() const {
          (moved_zeros_ == 0 || profile_.offsets.increments_sure) && rotary_ != nullptr &&
          rotary_->declared() && unknown_turns_ == 0 && u_.known == kAllAxes && m_.known == kAllAxes &&
          frames_.system().defined == kAllAxes && frames_.turn == 0 && !frames_.placement.on() &&
-         cutter_.phase == CutterUse::Phase::off && !ended_;
+         cutter_.phase == CutterUse::Phase::off && !drills_always_ && !ended_;
 }
 
 PlainMotion Control::here() const { return {u_.at, m_.at, turns_, feed_, false, false, 0, 0}; }
