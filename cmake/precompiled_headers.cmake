@@ -1,6 +1,6 @@
 # Headers that nearly every file includes, compiled once: reading them is a third of the compile time of a sanitized
 # file, and more of a test's. The released library and program go without, so that a file which forgets an include does
-# not compile there; tests have them in every build, and are compiled with less optimization: what they run is the library.
+# not compile there; tests have them in every build.
 #   abbe_precompiled(target)        a stage or the program
 #   abbe_precompiled(target TESTS)  a test program
 
@@ -9,19 +9,14 @@ set(abbe_headers_std <algorithm> <array> <cmath> <cstdint> <filesystem> <fstream
     <Eigen/Core> <Eigen/Geometry> <fmt/format.h>)
 set(abbe_headers_tests ${abbe_headers_std} <gmock/gmock.h> <gtest/gtest.h> <nlohmann/json.hpp>)
 
-# One set of options serves all test programs, or headers could not be precompiled for all.
-function(abbe_test_options target)
-  set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
-endfunction()
-
 function(abbe_precompiled target)
   set(kind std)
   set(libraries "")
   if("TESTS" IN_LIST ARGN)
     set(kind tests)
     set(libraries GTest::gtest GTest::gmock nlohmann_json::nlohmann_json)
-    abbe_test_options(${target})
+    # One set of options serves all test programs, or headers could not be precompiled for all.
+    set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
   elseif(NOT ABBE_SANITIZE)
     return()
   endif()
@@ -34,9 +29,7 @@ function(abbe_precompiled target)
     add_library(${holder} OBJECT ${PROJECT_BINARY_DIR}/${holder}.cpp)
     target_link_libraries(${holder} PRIVATE abbe_options Eigen3::Eigen fmt::fmt ${libraries})
     target_precompile_headers(${holder} PRIVATE ${abbe_headers_${kind}})
-    if("${kind}" STREQUAL "tests")
-      abbe_test_options(${holder})
-    endif()
+    set_target_properties(${holder} PROPERTIES POSITION_INDEPENDENT_CODE OFF)
   endif()
   target_precompile_headers(${target} REUSE_FROM ${holder})
 endfunction()
