@@ -136,6 +136,8 @@ MoveExtent MoveRun::extent(std::size_t first, std::size_t end, std::size_t axis_
   return extent;
 }
 
+double TurningBend::rotations() const { return constants_ == nullptr ? kInfinity : constants_->turned; }
+
 TurningBend::Bound TurningBend::bound(const MoveExtent& extent) const {
   if (constants_ == nullptr) return {};
   const Constants& c = *constants_;

@@ -71,6 +71,8 @@ class TurningBend {
     double direction = std::numeric_limits<double>::infinity();  ///< rad
   };
   [[nodiscard]] Bound bound(const MoveExtent& extent) const;
+  /// e: the rotations of all errors together, rad; infinite where nothing is known.
+  [[nodiscard]] double rotations() const;
   [[nodiscard]] Bound bound(const EvenMove& move) const { return bound(extent_of(move)); }
 
  private:

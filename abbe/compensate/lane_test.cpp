@@ -47,6 +47,21 @@ TEST(Lane, LinesTogetherAreLinesOneByOne) {
   }
 }
 
+TEST(Lane, LinesTogetherAreLinesOneByOneOnACrookedMachine) {
+  const Machine machine = five_axes("EA0Z = 900\nEB0Z = -1100\nEB0A = 800\n");
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    const std::string program = RandomProgram(seed).text(400);
+    RewriteJob job = testing::plain_job();
+    job.max_correction = 5;
+    job.max_gradient = 1;
+    const Rewritten together = rewrite(machine, program, job);
+    job.one_by_one = true;
+    const Rewritten alone = rewrite(machine, program, job);
+    EXPECT_EQ(together.text, alone.text) << "seed " << seed;
+    EXPECT_GT(together.report.blocks.together, 40u);
+  }
+}
+
 TEST(Lane, ProgramsOfOthersAreTheSameOneByOne) {
   const std::filesystem::path folder = ABBE_SOURCE_DIR "/../shared/data/gcode";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << "no programs beside the sources";

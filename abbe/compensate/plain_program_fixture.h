@@ -15,7 +15,7 @@
 namespace abbe::testing {
 
 /// Table-table, errors that bend (cubic tables), straight pieces (linear ones) and constants.
-inline Machine five_axes() {
+inline Machine five_axes(const std::string& more_errors = {}) {
   const std::string text = std::string(R"(format = 1
 [machine]
 name = "five axes"
@@ -60,7 +60,7 @@ EB0C = -8
 EY0A = 11
 EZ0A = 6
 EC0A = -9
-)");
+)") + more_errors;
   const Parsed<Machine> parsed = read_machine(
       {"five.toml", text}, std::nullopt, [](const std::string&) { return std::optional<std::string>(); });
   EXPECT_TRUE(parsed.value.has_value());

@@ -17,6 +17,15 @@ constexpr std::string_view kMark = "ABBE COMPENSATED";
 // Half a digit, mm: finer ones need no allowance of their own.
 constexpr double kFineDigits = 0.2 * um;
 
+// F AUTO: the feed is the one of TOOL CALL, which the words since then do not tell.
+bool feeds_by_tool_call(const Profile& profile, const Block& block) {
+  const Profile::Keyword* automatic = find_keyword(profile, "AUTO");
+  if (automatic == nullptr) return false;
+  const double code = static_cast<double>(automatic->index) / 10;
+  return std::any_of(block.words.begin(), block.words.begin() + block.count,
+                     [&](const Word& word) { return word.letter == 'G' && word.value == code; });
+}
+
 }  // namespace
 
 Rewriter::Rewriter(const Plan& plan, const AddressedAxes& axes, const RewriteJob& job, RewriteReport& report)
@@ -309,6 +318,7 @@ bool Rewriter::read_known_instruction() {
 
 void Rewriter::execute(std::string& out) {
   apply_modal(*block_, instruction_, modal_);
+  if (profile_.text.conversational && feeds_by_tool_call(profile_, *block_)) modal_.has_feed = false;
   if (profile_.numbers.integer_words != Profile::IntegerWords::units || !profile_.numbers.finer) {
     if (!settle_numbers()) return;
   }
@@ -317,10 +327,9 @@ void Rewriter::execute(std::string& out) {
   const Vec3 start = in_.m;
   const std::size_t out_begin = out.size();
   bool done = false;
-  const bool moves =
-      instruction_.motion >= 0 && instruction_.motion != 800 &&
-      (instruction_.moves_axes || is_arc(instruction_.motion) || is_cycle(instruction_.motion) ||
-       instruction_.motion == kNurbs);
+  const bool moves = instruction_.motion >= 0 && instruction_.motion != 800 &&
+                     (instruction_.moves_axes || is_arc(instruction_.motion) ||
+                      is_cycle(instruction_.motion) || instruction_.motion == kNurbs);
   if (profile_.text.conversational ? !call_hole(moves) : !call_bracket(moves)) return;
   if (instruction_.plain || (settings() && zero_group(out, done) && !done)) {
     if (!is_cycle(modal_.motion)) cycle_.code = -1;

@@ -56,13 +56,14 @@ bool Rewriter::cutter_settings() {
     return true;
   if (cutter_.acts())
     return bad("cutter compensation is switched while it is on", "controls refuse it, or differ in the path",
-               "write G40 with a motion before");
+               profile_.text.conversational ? "write R0 on an L with X or Y before"
+                                            : "write G40 with a motion before");
   if (modal_.plane != Plane::xy)
     return bad("cutter compensation in another plane than XY", "controls differ in what they offset there",
                "post it in G17");
   if (tcp_)
-    return bad("cutter compensation with tool centre point control", "the plane of the offset turns",
-               "post the tool-centre path");
+    return bad("cutter compensation on a tilted plane, or with tool centre point control",
+               "the plane of the offset turns", "post the tool-centre path");
   if (in_.frames.placed())
     return bad("cutter compensation in a tilted, scaled or mirrored frame",
                "controls differ in what becomes of the radius and of its side", "post the tool-centre path");
@@ -93,7 +94,9 @@ bool Rewriter::cutter_permits() {
                                            : nullptr;
   if (what == nullptr) return true;
   refuse_block("E-CUTCOM", fmt::format("{} while cutter compensation is on", what),
-               "controls refuse it, or differ in where the cutter goes", "write G40 with a motion before");
+               "controls refuse it, or differ in where the cutter goes",
+               profile_.text.conversational ? "write R0 on an L with X or Y before"
+                                            : "write G40 with a motion before");
   cutter_.phase = Phase::off;  // said once
   return false;
 }

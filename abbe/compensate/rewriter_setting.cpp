@@ -31,6 +31,7 @@ bool Rewriter::change_tool(std::optional<int> number) {
   field_.set_tool(tool);
   packet_.set_tool(tool);
   bend_ = field_.turning_bend();
+  packet_.set_rotations(bend_.rotations());
   short_enough_ = std::max(2 * interpolation_ / job_.max_gradient,
                            std::min(kShort, field_.straight_length(interpolation_)));
   last_correction_.reset();
@@ -61,7 +62,10 @@ bool Rewriter::settings() {
     refuse_block("E-ROTATION",
                  "a frame, plane or reference position is chosen while a rotation, scale, mirror or tilted "
                  "plane is in force",
-                 "controls refuse it, or differ in what it means", "end it before (G69, G50, G50.1)");
+                 "controls refuse it, or differ in what it means",
+                 profile_.text.conversational
+                     ? "end it before (PLANE RESET, ROT+0, 8.1 without axes, 26.1 X1 Y1 Z1)"
+                     : "end it before (G69, G50, G50.1)");
     return false;
   }
   if (const Word* t = instruction_.find(*block_, 'T')) {
@@ -112,7 +116,9 @@ bool Rewriter::settings() {
   }
   if (instruction_.tcp >= 0 && in_.frames.placed()) {
     refuse_block("E-TCP", "tool centre point control is switched in a tilted, scaled or mirrored frame",
-                 "what its points then are is not followed", "end the frame before (G69, G50, G50.1)");
+                 "what its points then are is not followed",
+                 profile_.text.conversational ? "end the frame before (PLANE RESET, ROT+0, 8.1 without axes)"
+                                              : "end the frame before (G69, G50, G50.1)");
     return false;
   }
   if (instruction_.tcp >= 0) switch_tcp(instruction_.tcp == 1);
@@ -155,8 +161,8 @@ bool Rewriter::retract() {
   return true;
 }
 
-// TOOL DEF n L.. R..: read as long as it says what the tool table says. Which of them holds depends on
-// whether the control uses its tool table.
+// TOOL DEF n L.. R..: read as long as it says what the tool table (or --radius) says. Which of them holds
+// depends on whether the control uses its tool table.
 void Rewriter::define_tool(std::string& out) {
   const auto number = whole(&block_->words[0]);
   const auto entry = number ? job_.setup.tools.find(*number) : job_.setup.tools.end();
@@ -176,6 +182,16 @@ void Rewriter::define_tool(std::string& out) {
         fmt::format("TOOL DEF says another length than the tool table, {:.4f} mm", entry->second.offset[2]),
         "which of them the control uses depends on its parameters",
         "put the same length into both, or write TOOL DEF n");
+    return;
+  }
+  const auto words = std::span(block_->words).first(static_cast<std::size_t>(block_->count));
+  const auto radius = std::find_if(words.begin(), words.end(), [](const Word& w) { return w.letter == 'R'; });
+  const auto known = cutter_radius(job_.setup, *number);
+  if (radius != words.end() && known && std::abs(radius->value * modal_.unit() - *known) > kSameReading) {
+    refuse(*radius, "E-TOOL",
+           fmt::format("TOOL DEF says another radius than the tool table or --radius, {:.4f} mm", *known),
+           "which of them the control offsets by depends on its parameters",
+           "put the same radius into both, or write TOOL DEF n");
     return;
   }
   pass(out);

@@ -9,8 +9,9 @@
 namespace abbe {
 
 // The least time that the feed motion can take: T = length / F, of turning axes alone angle / F (deg), in
-// inverse time 60 s / F. With G95 the spindle decides it: not known. A conversational program in inches counts
-// its F in tenths of an inch; whether of degrees, too, is not sure, so the shorter time is taken there.
+// inverse time 60 s / F. With G95 the spindle decides it: not known. A conversational program in inches
+// counts its F in tenths of an inch; whether of degrees, too, is not sure, so the shorter time is taken
+// there.
 void Rewriter::measure_split(double length, double angle) {
   splitting_ = {length, 0, 0};
   const Word* f = instruction_.find(*block_, 'F');
@@ -23,6 +24,8 @@ void Rewriter::measure_split(double length, double angle) {
   }
   if (job_.block_time > 0 && splitting_.time > 0)
     splitting_.least = std::min(1.0, job_.block_time / splitting_.time);
+  // behind F AUTO the feed is not known: no piece may be made
+  if (job_.block_time > 0 && profile_.text.conversational && !modal_.has_feed) splitting_.least = 1;
 }
 
 // A piece of the motion measured last. One that only takes up lost motion is none.

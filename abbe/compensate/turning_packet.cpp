@@ -92,7 +92,8 @@ void TurningPacket::settle() {
   for (std::size_t k = 0; k < 5; ++k)
     for (const Row* row : {&commanded_[k], &found_[k]}) {
       const Eigen::Map<const Eigen::Array<double, kMost, 1>> all(row->data());
-      all_within_ = all_within_ && all.minCoeff() >= lo_[k] && all.maxCoeff() <= hi_[k];
+      all_within_ = all_within_ && all.minCoeff<Eigen::PropagateNaN>() >= lo_[k] &&
+                    all.maxCoeff<Eigen::PropagateNaN>() <= hi_[k];
     }
 }
 

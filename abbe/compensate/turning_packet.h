@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <memory>
@@ -32,6 +33,9 @@ class TurningPacket {
   [[nodiscard]] bool usable() const { return usable_; }
 
   void set_tool(const Tool& tool);
+  /// The rotations of all errors together, rad (TurningBend::rotations): the larger they are, the more a step
+  /// leaves.
+  void set_rotations(double rotations) { trust_ = std::max(1.0, rotations / kCalibrated); }
   /// Place i of those to come: axis commands of the original.
   void command(std::size_t i, const Vec3& m, const Turns& turns);
   void estimate(std::size_t count, const Vec3& datum);
@@ -49,16 +53,22 @@ class TurningPacket {
     return lanes_[i] == kernel::Lane::ordinary && converged(i) && (all_within_ || within_travels(i));
   }
   [[nodiscard]] double turn(std::size_t i, std::size_t j) const { return found_[turn_axis_[j]][i]; }
-  [[nodiscard]] double turn_doubt(std::size_t i) const { return kLeft * turn_left_[i] + kFieldTurn; }
+  [[nodiscard]] double turn_doubt(std::size_t i) const {
+    return trust_ * (kLeft * turn_left_[i] + kFieldTurn);
+  }
   [[nodiscard]] Vec3 place(std::size_t i) const {
     return {found_[way_axis_[0]][i], found_[way_axis_[1]][i], found_[way_axis_[2]][i]};
   }
-  [[nodiscard]] double place_doubt(std::size_t i) const { return kLeft * way_left_[i] + kFieldPlace; }
+  [[nodiscard]] double place_doubt(std::size_t i) const {
+    return trust_ * (kLeft * way_left_[i] + kFieldPlace);
+  }
 
  private:
   // What is left behind a Newton step, as a part of it: five times what was found on machines with errors of
   // 100 um and 100 urad. Besides, the field's own answers are left as far from the solution when they end.
   static constexpr double kLeft = 1e-3, kFieldTurn = 2e-10, kFieldPlace = 2e-8;
+  // The rotations of those machines, rad; both grow with them.
+  static constexpr double kCalibrated = 2e-4;
   // The solution is at most so far from the estimate, rad, and from where the last step began, mm.
   static constexpr double kConvergedTurn = 3e-6, kConvergedPlace = 1e-3;
 
@@ -83,6 +93,7 @@ class TurningPacket {
   Row turn_left_{}, way_left_{};
   std::array<unsigned char, kMost> lanes_{};
   std::array<bool, 3> as_written_{};
+  double trust_ = 1;  ///< factor of the doubts
   bool usable_ = false, all_within_ = false;
 };
 

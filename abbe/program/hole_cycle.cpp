@@ -106,7 +106,10 @@ HoleAnswer span_of(const HoleDefinition& definition) {
   for (const int parameter : words_of(definition.cycle)) {
     if (parameter == 0) break;
     if (definition.find(parameter) == nullptr)
-      return {std::nullopt, fmt::format("cycle {} without Q{}", definition.cycle, parameter)};
+      return {std::nullopt,
+              has_parts(definition.cycle)
+                  ? fmt::format("cycle {0} without its line {0}.{1}", definition.cycle, parameter)
+                  : fmt::format("cycle {} without Q{}", definition.cycle, parameter)};
   }
   const auto value = [&](int parameter) {
     const HoleDefinition::Word* word = definition.find(parameter);

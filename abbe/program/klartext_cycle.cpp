@@ -133,9 +133,9 @@ std::optional<BlockError> KlartextCycle::read_shift(const Profile::Keyword& keyw
   if (profile_.g[keyword.index].meaning == Meaning::local_shift && block_.count == 2 && at_ == end_ &&
       block_.increments == 0 && block_.words[1].letter >= 'X')
     return std::nullopt;
-  return wrong("E-FRAME", begin, "a datum shift that is not CYCL DEF 7.n X.. (or Y, Z)",
-               "a row of the datum table, an increment or an angle: the frame is not known",
-               "write the shift of one axis in each line, in numbers");
+  return wrong("E-FRAME", begin, "a cycle of frames in a form that is not known",
+               "a row of the datum table, an increment, a title without its lines: the frame is not known",
+               "write CYCL DEF 7.1 X+10 and so on: the shift of one axis in each line, in numbers");
 }
 
 std::optional<BlockError> KlartextCycle::read_parameters() {

@@ -231,6 +231,13 @@ bool Control::choose_motion() {
 }
 
 bool Control::feed_words() {
+  // F AUTO: the feed of TOOL CALL, which the last F need not be
+  const Profile::Keyword* automatic = profile_.text.conversational ? find_keyword(profile_, "AUTO") : nullptr;
+  for (int i = 0; automatic != nullptr && i < block_->extra_count; ++i) {
+    if (block_->extras[static_cast<std::size_t>(i)].code != static_cast<int>(automatic->index)) continue;
+    feed_ = 0;
+    feed_stated_ = false;
+  }
   if (!block_->has('F')) return true;
   if (!use('F')) return false;
   feed_ = (*block_)['F'];

@@ -47,6 +47,13 @@ bool Control::check_tool() {
   if (block_->has('L') && !(std::abs(length_word('L') - entry->second.offset[2]) <= same))
     return refuse_at('L', "E-TOOL", "TOOL DEF and the tool table differ in the length",
                      "which one the control takes is not sure", "make them the same");
+  const auto given = radii_.find(number);
+  const double diameter = entry->second.diameter;
+  const double radius = given != radii_.end() ? given->second : diameter / 2;
+  const bool known = given != radii_.end() || diameter != 0;
+  if (block_->has('R') && known && !(std::abs(length_word('R') - radius) <= same))
+    return refuse_at('R', "E-TOOL", "TOOL DEF and the tool table differ in the radius",
+                     "which one the control takes is not sure", "make them the same");
   add_comments();
   return true;
 }
