@@ -106,6 +106,17 @@ TEST(BlockTime, TenthsOfAnInchInKlartext) {
   EXPECT_NEAR(slow.report.shortest_split_time, slow.report.shortest_split / 101.6, 1e-9);
 }
 
+// Behind F AUTO the feed is that of TOOL CALL, not the last F: no piece may be made of a time that is not known.
+TEST(BlockTime, AutomaticFeedHasNoKnownTime) {
+  RewriteJob job = timed_job(0.060);
+  job.setup.profile = embedded_profile("heidenhain");
+  const std::string program =
+      "0 BEGIN PGM A MM\n1 L X+0 Y+0 Z+0 FMAX\n2 L X+1 F100\n3 L X+100 F AUTO\n4 END PGM A MM\n";
+  EXPECT_TRUE(rewrite(sagging_machine(), program, job).has("E-TOL"));
+  job.block_time = 0;
+  EXPECT_TRUE(rewrite(sagging_machine(), program, job).report.complete);
+}
+
 /// An arc of 157 mm in 100 ms.
 TEST(BlockTime, ArcsAreHeldToo) {
   const Machine machine = three_axes({{"EXX", poly(0, {0, 3e-4})}});
