@@ -113,9 +113,12 @@ def ways(program):
 
 
 def write_tools(folder, program):
-    """100 mm for every tool, or the length that a conversational program states (TOOL DEF 5 L+10)."""
-    stated = dict(re.findall(r"TOOL DEF (\d+) L([+-]?[\d.]+)", program.read_text("latin-1"))) if program.suffix == ".h" else {}
-    lines = (f"T{n} P{n} Z{float(stated.get(str(n), 100))} D10 ; gauge=100\n" for n in range(1, 200))
+    """100 mm long and 10 mm thick, or what a conversational program states (TOOL DEF 5 L+10 R+3)."""
+    text = program.read_text("latin-1") if program.suffix == ".h" else ""
+    length = dict(re.findall(r"TOOL DEF (\d+) L([+-]?[\d.]+)", text))
+    radius = dict(re.findall(r"TOOL DEF (\d+)[^\n]* R([+-]?[\d.]+)", text))
+    lines = (f"T{n} P{n} Z{float(length.get(str(n), 100))} D{2 * float(radius.get(str(n), 5))} ; gauge=100\n"
+             for n in range(1, 200))
     (folder / "tool.tbl").write_text("".join(lines))
 
 
