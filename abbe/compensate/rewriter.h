@@ -17,10 +17,10 @@
 #include "abbe/compensate/block_numbers.h"
 #include "abbe/compensate/correction_field.h"
 #include "abbe/compensate/cutter.h"
+#include "abbe/compensate/lane_line.h"
 #include "abbe/compensate/line_edit.h"
 #include "abbe/compensate/line_split.h"
 #include "abbe/compensate/nurbs_curve.h"
-#include "abbe/compensate/plain_line.h"
 #include "abbe/compensate/rewrite.h"
 #include "abbe/compensate/tool_vectors.h"
 #include "abbe/compensate/turn_word.h"
@@ -298,22 +298,19 @@ class Rewriter {
   std::size_t lane(std::span<const std::string_view> texts, std::uint64_t number, std::string& out);
   [[nodiscard]] bool lane_is_open(std::uint64_t number, std::size_t rows) const;
   std::size_t read_ahead(std::span<const std::string_view> texts);
-  struct Ahead;
-  struct Reach;
-  struct LaneDigits;
   [[nodiscard]] LaneDigits digits_of_lane() const;
   void choose_turns(std::size_t i, const Turns& offsets);
   [[nodiscard]] bool turns_are_sure(std::size_t i) const;
   void choose_all_turns(std::size_t count);
   bool choose_places(std::size_t i, const Vec3& place, const Vec3& p_before);
-  bool choose_line(std::size_t i, const Reach& before);
+  bool choose_line(std::size_t i, const LaneReach& before);
   void enter(std::size_t at, const Vec3& meant, const Turns& meant_turns, const Vec3& done,
              const Turns& done_turns);
   [[nodiscard]] bool run_is_straight(std::size_t first, std::size_t end) const;
   [[nodiscard]] bool is_straight(const TurningBend::Bound& bound, double at_start) const;
-  void count_line(const Ahead& ahead);
+  void count_line(const LaneLine& ahead);
   std::size_t take_run(std::size_t first, std::size_t count, std::uint64_t number, std::string& out);
-  char* write_plain(const Ahead& ahead, char* to) const;
+  char* write_plain(const LaneLine& ahead, char* to) const;
   void one_line(std::string_view text, std::string& out);
   /// The output, going evenly from one place to another, stays within the interpolation of the original, if
   /// it is off by `at_start` at the first and by nothing at the second: a bound (TurningBend). Axis mode.
@@ -568,34 +565,7 @@ class Rewriter {
   KlartextContext klartext_;
   BlockNumbers block_numbers_;
 
-  /// A plain line of a packet, what it asks for, and what it becomes.
-  struct Ahead {
-    PlainLine line;
-    Vec3 m = Vec3::Zero();  ///< where the original goes
-    Turns turns{};
-    Turns stand{};  ///< where the output's rotary axes go
-    Vec3 m_out = Vec3::Zero(), p_out = Vec3::Zero();
-    Vec3 correction = Vec3::Zero();            ///< of the linear axes
-    double way_square = 0, change_square = 0;  ///< of the linear axes, mm^2
-    std::array<FixedNumber, PlainLine::kFeed> spelled;
-    std::array<bool, 2> turn_stays{};
-    bool sure = false;     ///< these may be spelled
-    unsigned written = 0;  ///< words with new numbers, as PlainLine::named
-  };
-  /// The end of a line: of the original, of the output.
-  struct Reach {
-    Vec3 m_in, m_out, p_out;
-  };
-  /// Decimals that the control resolves.
-  struct LaneDigits {
-    int linear = 0;
-    std::array<int, 3> turn{};
-    std::array<bool, 3> fixed{};  ///< whatever the program writes
-    [[nodiscard]] int of_turn(std::size_t k, int written) const {
-      return fixed[k] ? turn[k] : std::max(turn[k], written);
-    }
-  };
-  std::array<Ahead, TurningPacket::kMost> ahead_;
+  std::array<LaneLine, TurningPacket::kMost> ahead_;
   LaneDigits lane_digits_;
   std::optional<LetterSet> line_words_;  ///< ModalState::motion_words of G1, once there was one
   MoveRun lane_run_;

@@ -72,7 +72,7 @@ bool Rewriter::lane_is_open(std::uint64_t number, std::size_t rows) const {
          simple_text && simple_modes && stands && in_program && !traced;
 }
 
-Rewriter::LaneDigits Rewriter::digits_of_lane() const {
+LaneDigits Rewriter::digits_of_lane() const {
   LaneDigits digits;
   digits.linear = decimals_of(-1);
   for (std::size_t k = 0; k < 3; ++k) {
@@ -93,7 +93,7 @@ std::size_t Rewriter::read_ahead(std::span<const std::string_view> texts) {
   Turns turns = in_.turns;
   std::size_t count = 0;
   for (; count < most; ++count) {
-    Ahead& ahead = ahead_[count];
+    LaneLine& ahead = ahead_[count];
     const PlainLine& line = ahead.line;
     if (!read_plain_line(texts[count], ahead.line)) break;
     const bool feeds = line.has(PlainLine::kFeed) ? line.numbers[PlainLine::kFeed].value > 0
@@ -128,7 +128,7 @@ std::size_t Rewriter::read_ahead(std::span<const std::string_view> texts) {
 
 // Where the rotary axes will stand, as their words can say it, from where they nearly belong.
 void Rewriter::choose_turns(std::size_t i, const Turns& offsets) {
-  Ahead& ahead = ahead_[i];
+  LaneLine& ahead = ahead_[i];
   ahead.stand = ahead.turns;
   ahead.sure = true;
   for (std::size_t j = 0; j < 2; ++j) {
@@ -152,7 +152,7 @@ void Rewriter::choose_turns(std::size_t i, const Turns& offsets) {
 
 // Now it is known where they belong: are their words those that this asks for?
 bool Rewriter::turns_are_sure(std::size_t i) const {
-  const Ahead& ahead = ahead_[i];
+  const LaneLine& ahead = ahead_[i];
   for (std::size_t j = 0; j < 2; ++j) {
     const std::size_t k = packet_.rotary()[j];
     const FixedNumber& spelled = ahead.spelled[3 + k];
@@ -174,7 +174,7 @@ void Rewriter::choose_all_turns(std::size_t count) {
   for (std::size_t i = 0; i < count; ++i) choose_turns(i, offsets);
   packet_.settle();
   for (std::size_t i = 0; i < count; ++i) {
-    Ahead& ahead = ahead_[i];
+    LaneLine& ahead = ahead_[i];
     if (!ahead.sure || !packet_.ordinary(i)) {
       ahead.sure = false;
     } else if (!turns_are_sure(i)) {
@@ -196,7 +196,7 @@ void Rewriter::choose_all_turns(std::size_t count) {
 
 // The numbers of the linear axes, from where they belong. False: not beyond doubt.
 bool Rewriter::choose_places(std::size_t i, const Vec3& place, const Vec3& p_before) {
-  Ahead& ahead = ahead_[i];
+  LaneLine& ahead = ahead_[i];
   const PlainLine& line = ahead.line;
   const double unit = modal_.unit(), per_unit = modal_.inch ? 1 / unit : 1.0;
   const double doubt = packet_.place_doubt(i) * per_unit;
@@ -231,8 +231,8 @@ bool Rewriter::choose_places(std::size_t i, const Vec3& place, const Vec3& p_bef
 
 // Line i, which begins where `before` ends, is what it seems: numbers beyond doubt, no limit near, F goes on
 // meaning the same speed.
-bool Rewriter::choose_line(std::size_t i, const Reach& before) {
-  Ahead& ahead = ahead_[i];
+bool Rewriter::choose_line(std::size_t i, const LaneReach& before) {
+  LaneLine& ahead = ahead_[i];
   if (!ahead.sure) return false;
   const Vec3 place = packet_.place(i);
   ahead.correction = place - ahead.m;
@@ -289,7 +289,7 @@ double Rewriter::rounded_away() const {
 }
 
 // The line with its new numbers; words that it lacks stand behind the others. Returns the end of the text.
-char* Rewriter::write_plain(const Ahead& ahead, char* to) const {
+char* Rewriter::write_plain(const LaneLine& ahead, char* to) const {
   const PlainLine& line = ahead.line;
   const char* const text = line.text.data();
   std::size_t copied = 0;
@@ -321,7 +321,7 @@ char* Rewriter::write_plain(const Ahead& ahead, char* to) const {
 }
 
 // A line that is decided: into the report.
-void Rewriter::count_line(const Ahead& ahead) {
+void Rewriter::count_line(const LaneLine& ahead) {
   if (ahead.change_square > report_.max_gradient * report_.max_gradient * ahead.way_square &&
       ahead.way_square > kGradientBase * kGradientBase)
     report_.max_gradient = std::sqrt(ahead.change_square / ahead.way_square);
@@ -338,11 +338,11 @@ void Rewriter::count_line(const Ahead& ahead) {
 
 // The lines from `first` on of which nothing is in doubt. Returns where they end.
 std::size_t Rewriter::take_run(std::size_t first, std::size_t count, std::uint64_t number, std::string& out) {
-  Reach before = {in_.m, out_.m, out_.p()};
+  LaneReach before = {in_.m, out_.m, out_.p()};
   enter(first, in_.m, in_.turns, out_.m, out_.turns);
   std::size_t end = first, room = 0;
   for (; end < count && choose_line(end, before); ++end) {
-    const Ahead& ahead = ahead_[end];
+    const LaneLine& ahead = ahead_[end];
     enter(end + 1, ahead.m, ahead.turns, ahead.m_out, ahead.stand);
     before = {ahead.m, ahead.m_out, ahead.p_out};
     room += ahead.line.text.size() + ahead.line.eol.size() + (PlainLine::kFeed + 3) * (kFixedRoom + 2);
@@ -369,7 +369,7 @@ std::size_t Rewriter::take_run(std::size_t first, std::size_t count, std::uint64
   report_.blocks.together += lines;
   modal_.motion = 10;
   modal_.motion_words = *line_words_;
-  const Ahead& last = ahead_[end - 1];
+  const LaneLine& last = ahead_[end - 1];
   in_.m = last.m;
   in_.turns = last.turns;
   out_.m = last.m_out;

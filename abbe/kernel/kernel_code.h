@@ -50,6 +50,13 @@ struct State {
   unsigned outside = 0;
 };
 
+template <class S>
+inline void use(const Setting& setting, S& state) {
+  state.tip = setting.tip;
+  state.axis = setting.axis;
+  state.approach = setting.approach;
+}
+
 template <class V>
 using Op = FlatOpOf<Number<V>>;
 

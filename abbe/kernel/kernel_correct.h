@@ -230,9 +230,7 @@ void correct_packet(const FlatView& plan, const Setting& setting, const FreeAxes
   for (int i = 0; i < plan.axis_count; ++i) q[i] = load<V>(from, i);
   State<V> state;
   state.q = q;
-  state.tip = setting.tip;
-  state.axis = setting.axis;
-  state.approach = setting.approach;
+  use(setting, state);
   FirstOrder<V> f;
   walk_first_order(plan, setting, state, f);
   const Solver<V> solver(axes, f);

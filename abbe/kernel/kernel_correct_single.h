@@ -23,9 +23,7 @@ inline unsigned walk_poses(const FlatView& plan, const Setting& setting, const C
   Packet lanes[kMaxFlatAxes];
   State<Packet> state;
   state.q = lanes;
-  state.tip = setting.tip;
-  state.axis = setting.axis;
-  state.approach = setting.approach;
+  use(setting, state);
   constexpr int kLanes = lanes_of<Packet>;
   for (int first = 0; first < kSingles; first += kLanes) {
     for (int i = 0; i < plan.axis_count; ++i)
@@ -68,9 +66,7 @@ template <class Walk>
                                                    std::size_t first, double* const* corrected, double* last,
                                                    Place* places, const Walk& walk) {
   State<Single> state;
-  state.tip = setting.tip;
-  state.axis = setting.axis;
-  state.approach = setting.approach;
+  use(setting, state);
   state.places = places;
   Commands commands[kMaxFlatAxes];
   Single change[kMaxFlatAxes], turned[2] = {};

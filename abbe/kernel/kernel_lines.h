@@ -40,9 +40,7 @@ void estimate_packet(const FlatView& plan, const Setting& setting, const FreeAxe
   for (int i = 0; i < plan.axis_count; ++i) at[i] = row_of<V>(q[i], first);
   State<V> state;
   state.q = at;
-  state.tip = setting.tip;
-  state.axis = setting.axis;
-  state.approach = setting.approach;
+  use(setting, state);
   FirstOrder<V> f;
   walk_first_order(plan, setting, state, f);
   const Solver<V> solver(axes, f);
@@ -68,9 +66,7 @@ void estimate_packet(const FlatView& plan, const Setting& setting, const FreeAxe
                                                     std::size_t first, double* const* estimate,
                                                     PoseWork& work, Place* places) {
   State<Single> state;
-  state.tip = setting.tip;
-  state.axis = setting.axis;
-  state.approach = setting.approach;
+  use(setting, state);
   state.places = places;
   Commands commands[kMaxFlatAxes];
   Single change[kMaxFlatAxes];
@@ -122,9 +118,7 @@ void refine_packet(const FlatView& plan, const Setting& setting, const FreeAxes&
   }
   State<V> state;
   state.q = q;
-  state.tip = setting.tip;
-  state.axis = setting.axis;
-  state.approach = setting.approach;
+  use(setting, state);
   Triple<V> p, a;
   walk_actual<V, true>(plan, state, p, a);
   const Triple<V> off = p - triple(work.nominal) - broadcast<V>(setting.shift);
