@@ -87,6 +87,7 @@ TEST(KlartextFlow, WhatIsNotSureIsRefused) {
       {"4 TOOL DEF 1 L+119 R+5\n", "E-TOOL"},
       {"4 TOOL DEF 9 L+119 R+5\n", "E-TOOL"},
       {"4 TOOL DEF 1 L+120 R+5 X\n", "E-TOOL"},
+      {"4 TOOL DEF 1 L+120 R+7\n", "E-TOOL"},
       {"4 M140 MB MAX\n5 L X+5 F500\n", "E-POS"},
       {"4 M140\n", "E-MCODE"},
       {"4 L X+5 FMAX M140 MB MAX\n", "E-MCODE"},

@@ -214,6 +214,7 @@ TEST(KlartextWords, TipsSubprogramsAndToolsAreFollowed) {
       {"M126", "M127"},
       {"TOOL DEF 1 L+100", "TOOL DEF 7 L+100"},
       {"TOOL DEF 1 L+100", "TOOL DEF 1 L+100 X+3"},
+      {"TOOL DEF 1 L+100", "TOOL DEF 1 L+100 R+7"},
       {"M140 MB MAX", "M140"},
       {"M140 MB MAX", "L X+5 FMAX M140 MB MAX"},
       {"12 M140", "12 FUNCTION TCPM F CONT\nM140"}};
